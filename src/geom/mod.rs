@@ -1,0 +1,8 @@
+//! Numbers and shapes: exact signs, planes with their own 2D frames, polygons. Knows no scene.
+
+mod plane;
+mod polygon;
+pub mod predicates;
+
+pub use plane::{Plane, PlaneFrame};
+pub use polygon::{Polygon2, newell_normal};

@@ -1,0 +1,79 @@
+//! Polygons with holes, in the plane and in space.
+
+use glam::{DVec2, DVec3};
+
+/// A polygon with holes: the first loop is the outline, counter-clockwise; the others are holes, clockwise.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polygon2 {
+    /// Closed loops without a repeated last point.
+    pub loops: Vec<Vec<DVec2>>,
+}
+
+impl Polygon2 {
+    /// Signed area: positive when the outline is counter-clockwise, holes subtracted.
+    pub fn area(&self) -> f64 {
+        self.loops
+            .iter()
+            .map(|l| 0.5 * edges(l).map(|(a, b)| a.perp_dot(b)).sum::<f64>())
+            .sum()
+    }
+
+    /// True when `p` lies inside (even–odd rule; points exactly on the outline may go either way).
+    pub fn contains(&self, p: DVec2) -> bool {
+        let mut inside = false;
+        for (a, b) in self.loops.iter().flat_map(|l| edges(l)) {
+            if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) {
+                inside = !inside;
+            }
+        }
+        inside
+    }
+
+    /// Distance from `p` to the nearest point of any loop, metres.
+    pub fn distance_to_outline(&self, p: DVec2) -> f64 {
+        self.loops
+            .iter()
+            .flat_map(|l| edges(l))
+            .map(|(a, b)| {
+                let d = b - a;
+                let t = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+                p.distance(a + d * t)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Smallest box around all loops.
+    pub fn bounds(&self) -> (DVec2, DVec2) {
+        self.loops
+            .iter()
+            .flatten()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), &p| {
+                (lo.min(p), hi.max(p))
+            })
+    }
+}
+
+fn edges(points: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    points
+        .iter()
+        .copied()
+        .zip(points.iter().copied().cycle().skip(1))
+}
+
+/// Twice the area vector of a closed loop in space (Newell): its direction is the normal, its length twice the area.
+///
+/// Taken relative to the first point, so that a far-away loop loses no digits.
+pub fn newell_normal(points: impl IntoIterator<Item = DVec3>) -> DVec3 {
+    let mut points = points.into_iter();
+    let Some(first) = points.next() else {
+        return DVec3::ZERO;
+    };
+    let mut sum = DVec3::ZERO;
+    let mut previous = DVec3::ZERO;
+    for p in points {
+        let p = p - first;
+        sum += previous.cross(p);
+        previous = p;
+    }
+    sum
+}

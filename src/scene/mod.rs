@@ -1,0 +1,132 @@
+//! What the world is: welded vertices, edges with their faces, maximal planar faces, emitters.
+//!
+//! A [`RawScene`] is what a file said; [`clean`] alone turns it into a [`Scene`], whose invariants the rest relies on.
+//! Coordinates are metres relative to [`Scene::origin`], so that a scene far from the world's origin loses no digits.
+
+mod clean;
+mod ids;
+mod raw;
+
+pub use clean::{CleanReport, CleanSettings, clean};
+pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
+pub use raw::{Camera, Material, RawPolygon, RawScene};
+
+use crate::geom::{PlaneFrame, Polygon2};
+use glam::DVec3;
+
+/// The cleaned world.
+///
+/// Invariants: ids are dense; no two vertices lie within the weld distance of each other; no vertex lies within the weld
+/// distance of the interior of an edge; each face is planar within the planarity tolerance, has positive area, and its
+/// loops are simple and pass through every vertex that lies on them; every edge lists each face that runs along it.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Name for messages: the file's path as the user typed it.
+    pub source: String,
+    /// World position of the local origin, metres: world = origin + local.
+    pub origin: DVec3,
+    /// Welded positions, metres, local.
+    pub vertices: IdVec<VertexId, DVec3>,
+    /// Edges between them.
+    pub edges: IdVec<EdgeId, Edge>,
+    /// Maximal planar faces.
+    pub faces: IdVec<FaceId, Face>,
+    /// Emitting sides of faces.
+    pub emitters: IdVec<EmitterId, Emitter>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Object or node names.
+    pub groups: Vec<String>,
+    /// Cameras, in world coordinates.
+    pub cameras: Vec<Camera>,
+    /// Below this distance two points are the same point, metres.
+    pub weld_distance: f64,
+    /// Length of the diagonal of the box around all vertices, metres.
+    pub diagonal: f64,
+}
+
+/// An edge of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Its ends; the first has the lower id.
+    pub ends: [VertexId; 2],
+    /// Every face that runs along it.
+    pub uses: Vec<EdgeUse>,
+}
+
+/// One face along an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EdgeUse {
+    /// The face.
+    pub face: FaceId,
+    /// Whether the face's loop runs from `ends[0]` to `ends[1]`; its inside lies to the left, seen from its front.
+    pub is_forward: bool,
+}
+
+/// A maximal planar face.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// Its plane; `n` points to the front.
+    pub frame: PlaneFrame,
+    /// Vertices of each loop: the first is the outline, counter-clockwise seen from the front, the others are holes.
+    pub loops: Vec<Vec<VertexId>>,
+    /// The edge from each loop vertex to the next, in the same layout as `loops`.
+    pub loop_edges: Vec<Vec<EdgeId>>,
+    /// The loops in the coordinates of `frame`.
+    pub outline: Polygon2,
+    /// A triangulation without new vertices, each counter-clockwise seen from the front.
+    pub triangles: Vec<[VertexId; 3]>,
+    /// The face as convex pieces without new vertices, each counter-clockwise seen from the front.
+    pub convex_parts: Vec<Vec<VertexId>>,
+    /// Area, m².
+    pub area: f64,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// Index into [`Scene::groups`].
+    pub group: u32,
+}
+
+/// The two sides of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FaceSide {
+    /// The side from which the outline is counter-clockwise.
+    Front,
+    /// The other one.
+    Back,
+}
+
+impl FaceSide {
+    /// +1 for the front, −1 for the back.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Front => 1.0,
+            Self::Back => -1.0,
+        }
+    }
+}
+
+/// One emitting side of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Emitter {
+    /// The face.
+    pub face: FaceId,
+    /// The side that shines.
+    pub side: FaceSide,
+}
+
+impl Scene {
+    /// Material of a face.
+    pub fn material_of(&self, face: FaceId) -> &Material {
+        &self.materials[self.faces[face].material as usize]
+    }
+
+    /// Unit normal of a side of a face, pointing away from it.
+    pub fn normal(&self, face: FaceId, side: FaceSide) -> DVec3 {
+        self.faces[face].frame.n * side.sign()
+    }
+
+    /// True when the side reflects light, so that it has to be lit.
+    pub fn receives(&self, face: FaceId, side: FaceSide) -> bool {
+        side == FaceSide::Front || self.material_of(face).reflects_back
+    }
+}

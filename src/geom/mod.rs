@@ -5,4 +5,4 @@ mod polygon;
 pub mod predicates;
 
 pub use plane::{Plane, PlaneFrame};
-pub use polygon::{Polygon2, newell_normal};
+pub use polygon::{Polygon2, loop_area, newell_normal};

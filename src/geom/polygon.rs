@@ -12,10 +12,7 @@ pub struct Polygon2 {
 impl Polygon2 {
     /// Signed area: positive when the outline is counter-clockwise, holes subtracted.
     pub fn area(&self) -> f64 {
-        self.loops
-            .iter()
-            .map(|l| 0.5 * edges(l).map(|(a, b)| a.perp_dot(b)).sum::<f64>())
-            .sum()
+        self.loops.iter().map(|l| loop_area(l)).sum()
     }
 
     /// True when `p` lies inside (even–odd rule; points exactly on the outline may go either way).
@@ -58,6 +55,19 @@ fn edges(points: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
         .iter()
         .copied()
         .zip(points.iter().copied().cycle().skip(1))
+}
+
+/// Signed area of a closed loop, m²: positive when it runs counter-clockwise.
+///
+/// Taken relative to the first point, so that a far-away loop loses no digits.
+pub fn loop_area(points: &[DVec2]) -> f64 {
+    let Some(&first) = points.first() else {
+        return 0.0;
+    };
+    let twice: f64 = edges(points)
+        .map(|(a, b)| (a - first).perp_dot(b - first))
+        .sum();
+    0.5 * twice
 }
 
 /// Twice the area vector of a closed loop in space (Newell): its direction is the normal, its length twice the area.

@@ -3,8 +3,10 @@
 //! A [`RawScene`] is what a file said; [`clean`] alone turns it into a [`Scene`], whose invariants the rest relies on.
 //! Coordinates are metres relative to [`Scene::origin`], so that a scene far from the world's origin loses no digits.
 
+mod adjacency;
 mod clean;
 mod ids;
+mod invariants;
 mod raw;
 
 pub use clean::{CleanReport, CleanSettings, clean};

@@ -1,0 +1,140 @@
+//! Which polygons count, and the local origin and tolerances they are cleaned with.
+
+use super::piece::Piece;
+use super::{CleanSettings, Tolerances};
+use crate::bad_input::BadInput;
+use crate::scene::{RawScene, VertexId};
+use glam::DVec3;
+
+/// Weld distance over the scene's diagonal where the user states none.
+///
+/// Files carry coordinates rounded to float32, and exporters multiply them by matrices in float32: shared corners come
+/// out 10⁻⁸ to 10⁻⁷ of the scene's size apart. The smallest detail of a modelled room is a thousand times larger.
+const WELD_DISTANCE_OVER_DIAGONAL: f64 = 1e-6;
+
+/// Roundings between a world coordinate and the local one that is compared: stored, shifted, differenced, measured.
+const ROUNDINGS: f64 = 4.0;
+
+/// The polygons that take part, on unwelded vertices.
+pub(super) struct Selection {
+    /// Polygons that are not see-through; a corner is an index into `points`.
+    pub(super) pieces: Vec<Piece>,
+    /// Positions that they use, local, in the order of the file.
+    pub(super) points: Vec<DVec3>,
+    /// World position of the local origin.
+    pub(super) origin: DVec3,
+    /// Diagonal of the box around `points`.
+    pub(super) diagonal: f64,
+    /// The tolerances in metres.
+    pub(super) tolerances: Tolerances,
+}
+
+/// Picks the polygons that are not see-through and moves them to the centre of their box.
+pub(super) fn select(raw: &RawScene, settings: &CleanSettings) -> Result<Selection, BadInput> {
+    let mut pieces = Vec::with_capacity(raw.polygons.len());
+    let mut is_used = vec![false; raw.positions.len()];
+    for (index, polygon) in raw.polygons.iter().enumerate() {
+        let Some(material) = raw.materials.get(polygon.material as usize) else {
+            return Err(broken(raw, index, "refers to a material that is not there"));
+        };
+        if material.is_see_through {
+            continue;
+        }
+        for &corner in &polygon.corners {
+            match raw.positions.get(corner as usize) {
+                None => return Err(broken(raw, index, "refers to a position that is not there")),
+                Some(p) if !p.is_finite() => {
+                    return Err(broken(raw, index, "has a corner that is not a number"));
+                }
+                Some(_) => is_used[corner as usize] = true,
+            }
+        }
+        pieces.push(Piece {
+            corners: polygon.corners.iter().map(|&c| VertexId(c)).collect(),
+            material: polygon.material,
+            group: polygon.group,
+            source: u32::try_from(index).expect("fewer than 2³² polygons"),
+        });
+    }
+    let (lo, hi) = used(&raw.positions, &is_used)
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| {
+            (lo.min(p), hi.max(p))
+        });
+    if pieces.is_empty() || lo.x > hi.x {
+        return Err(nothing_left(
+            raw,
+            "the scene has no polygon that light meets",
+        ));
+    }
+    let origin = lo.midpoint(hi);
+    let diagonal = lo.distance(hi);
+    let largest = lo.abs().max(hi.abs()).max_element();
+    let tolerances = tolerances(raw, settings, diagonal, largest)?;
+
+    // Number the used positions densely: unused ones neither weld nor move the box.
+    let mut dense = vec![0_u32; is_used.len()];
+    let mut next = 0;
+    for (slot, &is_used) in dense.iter_mut().zip(&is_used) {
+        *slot = next;
+        next += u32::from(is_used);
+    }
+    for corner in pieces.iter_mut().flat_map(|p| &mut p.corners) {
+        *corner = VertexId(dense[corner.0 as usize]);
+    }
+    Ok(Selection {
+        points: used(&raw.positions, &is_used).map(|p| p - origin).collect(),
+        pieces,
+        origin,
+        diagonal,
+        tolerances,
+    })
+}
+
+fn used<'a>(positions: &'a [DVec3], is_used: &'a [bool]) -> impl Iterator<Item = DVec3> + 'a {
+    positions
+        .iter()
+        .zip(is_used)
+        .filter_map(|(&p, &is_used)| is_used.then_some(p))
+}
+
+/// The user's tolerances or the derived ones; never below what rounding has already blurred.
+fn tolerances(
+    raw: &RawScene,
+    settings: &CleanSettings,
+    diagonal: f64,
+    largest_coordinate: f64,
+) -> Result<Tolerances, BadInput> {
+    let roundoff = ROUNDINGS * f64::EPSILON * largest_coordinate;
+    let derived = (WELD_DISTANCE_OVER_DIAGONAL * diagonal).max(roundoff);
+    let checked = |name: &str, value: Option<f64>, default: f64| match value {
+        None => Ok(default),
+        Some(v) if v.is_finite() && v >= roundoff => Ok(v),
+        Some(v) => Err(BadInput::new(
+            &raw.source,
+            format!("{name} of {v} m is below the rounding of the coordinates, {roundoff:.1e} m"),
+            format!("raise it, or leave it out for {derived:.1e} m"),
+        )),
+    };
+    let weld_distance = checked("weld distance", settings.weld_distance, derived)?;
+    Ok(Tolerances {
+        weld_distance,
+        planarity: checked("planarity", settings.planarity, weld_distance)?,
+    })
+}
+
+/// The error for a scene without a face.
+pub(super) fn nothing_left(raw: &RawScene, why: impl Into<String>) -> BadInput {
+    BadInput::new(
+        &raw.source,
+        why,
+        "check that the file holds opaque surfaces larger than the weld distance",
+    )
+}
+
+fn broken(raw: &RawScene, polygon: usize, what: &str) -> BadInput {
+    BadInput::new(
+        &raw.source,
+        format!("polygon {} of {} {what}", polygon + 1, raw.polygons.len()),
+        "export the file again",
+    )
+}

@@ -1,8 +1,11 @@
 //! umbrage bakes light into meshes.
 
 pub mod bad_input;
+pub mod direct;
+pub mod discontinuity;
 pub mod geom;
 pub mod lit_scene;
 pub mod quantity;
 pub mod scene;
+pub mod visibility;
 pub mod warning;

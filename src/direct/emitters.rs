@@ -1,0 +1,106 @@
+//! The emitters as convex polygons, and the exact irradiance from all of them.
+
+use super::form_factor_of_directions;
+use crate::geom::Plane;
+use crate::quantity::{Exitance, Irradiance};
+use crate::scene::{EmitterId, FaceSide, Scene};
+use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
+use glam::DVec3;
+
+/// A convex piece of an emitting side.
+#[derive(Clone, Debug)]
+pub struct EmitterPolygon {
+    /// The emitter it is a piece of.
+    pub emitter: EmitterId,
+    /// Corners, counter-clockwise seen from the side that shines, metres.
+    pub corners: Vec<DVec3>,
+    /// Its plane, normal towards the side that shines.
+    pub plane: Plane,
+    /// Power per area that it sends out, W/m².
+    pub exitance: Exitance,
+}
+
+impl EmitterPolygon {
+    fn target(&self) -> Target<'_> {
+        Target {
+            corners: &self.corners,
+            plane: self.plane,
+        }
+    }
+}
+
+/// Everything needed to evaluate light straight from the emitters.
+pub struct DirectLight<'a> {
+    /// The opaque world.
+    pub blockers: &'a Blockers,
+    /// Convex pieces of all emitters.
+    pub polygons: Vec<EmitterPolygon>,
+}
+
+impl<'a> DirectLight<'a> {
+    /// Splits every emitter of `scene` into convex polygons.
+    pub fn new(scene: &Scene, blockers: &'a Blockers) -> Self {
+        let mut polygons = Vec::new();
+        for (id, emitter) in scene.emitters.iter() {
+            let face = &scene.faces[emitter.face];
+            let exitance = Exitance::from_radiance(scene.material_of(emitter.face).emission);
+            let normal = scene.normal(emitter.face, emitter.side);
+            for part in &face.convex_parts {
+                let mut corners: Vec<DVec3> = part.iter().map(|&v| scene.vertices[v]).collect();
+                if emitter.side == FaceSide::Back {
+                    corners.reverse();
+                }
+                polygons.push(EmitterPolygon {
+                    emitter: id,
+                    corners,
+                    plane: Plane::new(face.frame.origin, normal),
+                    exitance,
+                });
+            }
+        }
+        Self { blockers, polygons }
+    }
+
+    /// Irradiance at `view` from one emitter as if nothing hid it, W/m².
+    pub fn unoccluded_from(
+        &self,
+        emitter: EmitterId,
+        view: &Viewpoint,
+        scratch: &mut Scratch,
+    ) -> Irradiance {
+        let mut sum = Irradiance::ZERO;
+        for polygon in self.polygons.iter().filter(|p| p.emitter == emitter) {
+            let mut f = 0.0;
+            scratch.visible_pieces_past(self.blockers, &[], view, polygon.target(), |piece| {
+                f += form_factor_of_directions(view.horizon.normal, piece);
+            });
+            sum += Irradiance(polygon.exitance.0 * f.max(0.0));
+        }
+        sum
+    }
+
+    /// Irradiance at `view` from all emitters as if nothing hid them, W/m².
+    pub fn unoccluded(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
+        let mut emitters: Vec<EmitterId> = self.polygons.iter().map(|p| p.emitter).collect();
+        emitters.dedup();
+        let mut sum = Irradiance::ZERO;
+        for e in emitters {
+            sum += self.unoccluded_from(e, view, scratch);
+        }
+        sum
+    }
+
+    /// Irradiance at `view` straight from all emitters, W/m²; exact up to round-off for diffuse polygons
+    /// (backprojection, then Lambert's formula on what is visible).
+    pub fn irradiance(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
+        let mut sum = Irradiance::ZERO;
+        for polygon in &self.polygons {
+            let mut f = 0.0;
+            scratch.visible_pieces(self.blockers, view, polygon.target(), |piece| {
+                f += form_factor_of_directions(view.horizon.normal, piece);
+            });
+            sum += Irradiance(polygon.exitance.0 * f.max(0.0));
+        }
+        sum
+    }
+}

@@ -1,0 +1,169 @@
+//! Where the direct light on a face breaks.
+//!
+//! The visible outline of a polygonal emitter changes its combinatorics on critical surfaces. This stage finds the planar
+//! ones of first order – an emitter vertex past a blocker edge (VE), an emitter edge past a blocker vertex (EV) –, the
+//! emitter's own horizon, and the lines where faces touch or pierce a receiver, and follows each to the receivers that
+//! light really reaches along it.
+//!
+//! Papers: Heckbert, *Discontinuity meshing for radiosity* (1992); Lischinski, Tampieri & Greenberg, *Discontinuity meshing
+//! for accurate radiosity* (1992); Drettakis & Fiume, *A fast shadow algorithm for area light sources using
+//! backprojection* (1994); Stewart & Ghali (1994). Unlike them we never map a point into a wedge's frame and back: a line's
+//! ends are parameters along its generating edge, evaluated once.
+
+mod contact;
+mod event;
+mod horizon;
+mod merge;
+mod span;
+mod trace;
+mod wedge;
+
+use crate::direct::DirectLight;
+use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, Scene, VertexId};
+use crate::visibility::Blockers;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// What jumps across a line: the derivative of this order of the irradiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DiscontinuityOrder {
+    /// The value (contact).
+    D0,
+    /// The slope (emitter edge and blocker edge in one plane; horizon).
+    D1,
+    /// The curvature (every generic VE and EV line).
+    D2,
+}
+
+/// The kind of critical surface that made a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum EventKind {
+    /// Emitter vertex past a blocker edge.
+    Ve,
+    /// Emitter edge past a blocker vertex.
+    Ev,
+    /// A face touches or pierces the receiver.
+    Contact,
+    /// The emitter's own plane.
+    Horizon,
+}
+
+/// The features that generate a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cause {
+    /// An emitter vertex and a blocker edge.
+    VertexEdge(VertexId, EdgeId),
+    /// An emitter edge (by its ends) and a blocker vertex.
+    EdgeVertex([VertexId; 2], VertexId),
+    /// The face that touches, pierces or covers the receiver.
+    Face(FaceId),
+    /// The plane of the emitter.
+    EmitterPlane,
+}
+
+/// A line on one side of a face across which the direct light breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discontinuity {
+    /// The receiver.
+    pub face: FaceId,
+    /// Its lit side.
+    pub side: FaceSide,
+    /// Ends, metres, local.
+    pub ends: [DVec3; 2],
+    /// What jumps.
+    pub order: DiscontinuityOrder,
+    /// What made it.
+    pub kind: EventKind,
+    /// The emitter, where there is one.
+    pub emitter: Option<EmitterId>,
+    /// Its generators.
+    pub cause: Cause,
+    /// Predicted break of the irradiance over the width of the penumbra, W/m², mean of the channels: at most what the whole
+    /// emitter gives there unoccluded (D1), half of it where only a corner of the emitter is crossed (D2).
+    pub jump: f64,
+}
+
+/// All lines of one side of one face.
+#[derive(Clone, Debug, Default)]
+pub struct FaceLines {
+    /// D0 lines that the mesh has to hold because the value jumps there.
+    pub contacts: Vec<Discontinuity>,
+    /// Candidates of higher order; a line is inserted when its elements need it.
+    pub candidates: Vec<Discontinuity>,
+    /// Faces in this face's plane that overlap it and are seen instead of it.
+    pub covers: Vec<FaceId>,
+}
+
+/// What the search for lines did.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct SearchReport {
+    /// VE and EV wedges that passed the culls.
+    pub wedges: usize,
+    /// Wedges culled before tracing: no silhouette, or behind the emitter.
+    pub culled: usize,
+    /// Segments that landed on receivers, before merging.
+    pub segments: usize,
+    /// Lines after merging collinear overlaps.
+    pub lines: usize,
+}
+
+/// The lines of every receiver side, indexed by `2 · face + (0 front | 1 back)`.
+pub struct LineMap {
+    lines: Vec<FaceLines>,
+    /// Counts of the search.
+    pub report: SearchReport,
+}
+
+impl LineMap {
+    /// Lines on one side of a face.
+    pub fn of(&self, face: FaceId, side: FaceSide) -> &FaceLines {
+        &self.lines[slot(face, side)]
+    }
+
+    /// All lines of all receivers.
+    pub fn iter(&self) -> impl Iterator<Item = &FaceLines> {
+        self.lines.iter()
+    }
+}
+
+fn slot(face: FaceId, side: FaceSide) -> usize {
+    2 * face.0 as usize + usize::from(side == FaceSide::Back)
+}
+
+/// Finds every first-order line of `scene`.
+pub fn find_lines(scene: &Scene, light: &DirectLight) -> LineMap {
+    let blockers: &Blockers = light.blockers;
+    let jobs = event::jobs(scene);
+    let search = event::Search::new(scene, light);
+    let found: Vec<(Vec<Discontinuity>, SearchReport)> =
+        jobs.par_iter().map(|job| search.run(job)).collect();
+    let mut report = SearchReport::default();
+    let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];
+    for (segments, r) in found {
+        report.wedges += r.wedges;
+        report.culled += r.culled;
+        for s in segments {
+            lines[slot(s.face, s.side)].candidates.push(s);
+        }
+    }
+    for s in horizon::find(scene, light) {
+        lines[slot(s.face, s.side)].candidates.push(s);
+    }
+    for s in contact::find(scene, light) {
+        lines[slot(s.face, s.side)].contacts.push(s);
+    }
+    for (below, above) in contact::covers(scene, blockers) {
+        for side in [FaceSide::Front, FaceSide::Back] {
+            lines[slot(below, side)].covers.push(above);
+        }
+    }
+    report.segments = lines.iter().map(|l| l.candidates.len()).sum();
+    lines
+        .par_iter_mut()
+        .for_each(|l| merge::merge_all(scene, l));
+    report.lines = lines
+        .iter()
+        .map(|l| l.candidates.len() + l.contacts.len())
+        .sum();
+    LineMap { lines, report }
+}

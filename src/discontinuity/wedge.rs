@@ -1,0 +1,292 @@
+//! A planar critical surface, and its sections with the faces that cross it.
+//!
+//! A wedge is the fan of rays through its apex and a rim edge. With `A`, `B` the rim's ends relative to the apex, a point
+//! of the wedge's plane is `apex + α A + β B`; `s = β/(α+β)` says which ray it lies on and `w = 1/(α+β)` how near it is
+//! (`w = 1` on the rim, larger nearer to the apex). Lines of the plane are lines in (s, w): `w` is linear in `s`, so
+//! occlusion along the wedge is a one-dimensional upper envelope.
+//!
+//! ```text
+//!   VE: apex on the emitter, rim = blocker edge.       EV: rim = emitter edge, apex = blocker vertex.
+//!       w > 1 before the edge (hides it)                   front rays (α, β ≥ 0), w > 1: between vertex and emitter
+//!       w < 1 behind it (may be lit)                       back rays (α, β ≤ 0): behind the vertex, largest |w| first
+//! ```
+
+use crate::geom::Plane;
+use crate::scene::{EdgeId, FaceId, Scene, VertexId};
+use crate::visibility::{Blockers, Part, Region};
+use glam::DVec3;
+use smallvec::SmallVec;
+
+/// The fan of rays from `apex` through the rim.
+#[derive(Clone, Debug)]
+pub(super) struct Wedge {
+    pub(super) apex: DVec3,
+    pub(super) apex_vertex: VertexId,
+    pub(super) rim: [DVec3; 2],
+    /// The scene's vertices at the rim's ends; none when the rim is no edge of the scene.
+    pub(super) rim_vertices: Option<[VertexId; 2]>,
+    pub(super) plane: Plane,
+    /// Length of the cross product of the rim's ends relative to the apex: twice the triangle's area.
+    normal_length: f64,
+    /// In units of w: what lies within the weld distance of the rim is on it.
+    pub(super) rim_slack: f64,
+}
+
+/// A piece of a face in the wedge's plane: `w` runs linearly from `w0` at `s0` to `w1` at `s1`, `s0 < s1`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    pub(super) s0: f64,
+    pub(super) w0: f64,
+    pub(super) s1: f64,
+    pub(super) w1: f64,
+    /// The face, where a line may be drawn on it; none where the wedge passes exactly through an edge between faces,
+    /// which stops the light but lies on the border of both meshes already.
+    pub(super) face: Option<FaceId>,
+}
+
+impl Section {
+    /// `w` at parameter `s`.
+    pub(super) fn w(&self, s: f64) -> f64 {
+        self.w0 + (self.w1 - self.w0) * ((s - self.s0) / (self.s1 - self.s0))
+    }
+}
+
+/// Sections on the rays' front half (towards the rim) and on the back half (beyond the apex, `w` taken positive).
+#[derive(Default)]
+pub(super) struct Sections {
+    pub(super) front: Vec<Section>,
+    pub(super) back: Vec<Section>,
+}
+
+impl Wedge {
+    /// None when apex and rim are collinear within the weld distance.
+    pub(super) fn new(
+        apex: (VertexId, DVec3),
+        rim: [DVec3; 2],
+        rim_vertices: Option<[VertexId; 2]>,
+        weld_distance: f64,
+    ) -> Option<Self> {
+        let (a, b) = (rim[0] - apex.1, rim[1] - apex.1);
+        let cross = a.cross(b);
+        let longest = a.length().max(b.length()).max(a.distance(b));
+        if cross.length() <= weld_distance * longest {
+            return None;
+        }
+        let nearest = cross.length() / a.distance(b);
+        Some(Self {
+            apex: apex.1,
+            apex_vertex: apex.0,
+            rim,
+            rim_vertices,
+            plane: Plane::new(apex.1, cross.normalize()),
+            normal_length: cross.length(),
+            rim_slack: weld_distance / nearest,
+        })
+    }
+
+    fn rim_point(&self, s: f64) -> DVec3 {
+        self.rim[0] + (self.rim[1] - self.rim[0]) * s
+    }
+
+    /// The rim at parameter `s`; its ends exactly.
+    pub(super) fn rim_at(&self, s: f64) -> DVec3 {
+        if s >= 1.0 {
+            self.rim[1]
+        } else {
+            self.rim_point(s)
+        }
+    }
+
+    /// (α, β) of a point of the plane.
+    fn coordinates(&self, p: DVec3) -> (f64, f64) {
+        let (a, b, p) = (
+            self.rim[0] - self.apex,
+            self.rim[1] - self.apex,
+            p - self.apex,
+        );
+        let n = self.plane.normal;
+        (
+            p.cross(b).dot(n) / self.normal_length,
+            a.cross(p).dot(n) / self.normal_length,
+        )
+    }
+
+    /// The half-spaces that hold the fan on both sides of its apex: a slab about the plane.
+    fn region(&self, slack: f64, is_double: bool) -> Region {
+        let mut planes = SmallVec::new();
+        let n = self.plane.normal;
+        planes.push(Plane::new(self.apex - n * slack, n));
+        planes.push(Plane::new(self.apex + n * slack, -n));
+        if !is_double {
+            let [a, b] = self.rim.map(|r| (r - self.apex).normalize());
+            planes.push(Plane::new(self.apex - n.cross(a) * slack, n.cross(a)));
+            planes.push(Plane::new(self.apex - b.cross(n) * slack, b.cross(n)));
+        }
+        Region {
+            planes,
+            bounds: (DVec3::NEG_INFINITY, DVec3::INFINITY),
+        }
+    }
+
+    /// Cuts the wedge's plane with every face near it.
+    pub(super) fn sections(&self, scene: &Scene, blockers: &Blockers) -> Sections {
+        self.sections_near(scene, blockers, false)
+    }
+
+    /// As [`Wedge::sections`], on both sides of the apex.
+    pub(super) fn sections_both_ways(&self, scene: &Scene, blockers: &Blockers) -> Sections {
+        self.sections_near(scene, blockers, true)
+    }
+
+    fn sections_near(&self, scene: &Scene, blockers: &Blockers, is_double: bool) -> Sections {
+        let mut parts = Vec::new();
+        blockers.query(&self.region(blockers.weld_distance(), is_double), |i| {
+            parts.push(i);
+        });
+        parts.sort_unstable();
+        let mut out = Sections::default();
+        for i in parts {
+            let part = blockers.part(i);
+            if let Some((ends, face)) = self.section(scene, blockers, part) {
+                self.clip(ends, face, &mut out);
+            }
+        }
+        out
+    }
+
+    /// The segment in which a convex part crosses the plane.
+    fn section(
+        &self,
+        scene: &Scene,
+        blockers: &Blockers,
+        part: &Part,
+    ) -> Option<([DVec3; 2], Option<FaceId>)> {
+        let corners = blockers.corners(part);
+        let vertices = blockers.vertices(part);
+        let is_on_rim = |v: &VertexId| self.rim_vertices.is_some_and(|r| r.contains(v));
+        // A face through the apex meets the wedge in a single ray, a face along the rim only there.
+        if vertices.contains(&self.apex_vertex)
+            || self
+                .rim_vertices
+                .is_some_and(|r| r.iter().all(|r| vertices.contains(r)))
+        {
+            return None;
+        }
+        let d: SmallVec<[f64; 8]> = corners
+            .iter()
+            .zip(vertices)
+            .map(|(&c, v)| {
+                let d = self.plane.distance(c);
+                if is_on_rim(v) || d.abs() <= blockers.weld_distance() {
+                    0.0
+                } else {
+                    d
+                }
+            })
+            .collect();
+        let (above, below) = (d.iter().any(|&d| d > 0.0), d.iter().any(|&d| d < 0.0));
+        let n = corners.len();
+        if above && below {
+            let mut ends = SmallVec::<[DVec3; 2]>::new();
+            for i in 0..n {
+                let j = (i + 1) % n;
+                if d[i] == 0.0 {
+                    ends.push(corners[i]);
+                } else if d[i] * d[j] < 0.0 {
+                    ends.push(corners[i] + (corners[j] - corners[i]) * (d[i] / (d[i] - d[j])));
+                }
+            }
+            return (ends.len() == 2).then(|| ([ends[0], ends[1]], Some(part.face)));
+        }
+        if !above {
+            return None;
+        }
+        // The part touches the plane from above along one of its edges: the light stops there when something touches the
+        // same edge from below. On a diagonal that is the other part of the same face.
+        let k = (0..n).find(|&i| d[i] == 0.0 && d[(i + 1) % n] == 0.0)?;
+        let ends = [corners[k], corners[(k + 1) % n]];
+        match blockers.edges(part)[k] {
+            None => Some((ends, Some(part.face))),
+            Some(edge) => self
+                .is_crossed_at(scene, edge, blockers.weld_distance())
+                .then_some((ends, None)),
+        }
+    }
+
+    /// True when faces along `edge` lie on both sides of the plane.
+    fn is_crossed_at(&self, scene: &Scene, edge: EdgeId, tol: f64) -> bool {
+        let (mut above, mut below) = (false, false);
+        for u in &scene.edges[edge].uses {
+            let side = side_of_face(scene, &self.plane, edge, u.face, u.is_forward, tol);
+            above |= side > 0;
+            below |= side < 0;
+        }
+        above && below
+    }
+
+    /// Adds the parts of a segment in front of and behind the apex to `out`.
+    fn clip(&self, ends: [DVec3; 2], face: Option<FaceId>, out: &mut Sections) {
+        let (p, q) = (self.coordinates(ends[0]), self.coordinates(ends[1]));
+        for (sign, list) in [(1.0, &mut out.front), (-1.0, &mut out.back)] {
+            let (p, q) = ((sign * p.0, sign * p.1), (sign * q.0, sign * q.1));
+            // Cut to the quadrant α, β ≥ 0.
+            let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
+            for (a, b) in [(p.0, q.0), (p.1, q.1)] {
+                if a < 0.0 && b < 0.0 {
+                    t1 = -1.0;
+                } else if a < 0.0 {
+                    t0 = t0.max(a / (a - b));
+                } else if b < 0.0 {
+                    t1 = t1.min(a / (a - b));
+                }
+            }
+            if t0 >= t1 {
+                continue;
+            }
+            let at = |t: f64| {
+                let (a, b) = (p.0 + (q.0 - p.0) * t, p.1 + (q.1 - p.1) * t);
+                let sum = a + b;
+                ((b / sum).clamp(0.0, 1.0), 1.0 / sum)
+            };
+            let ((mut s0, mut w0), (mut s1, mut w1)) = (at(t0), at(t1));
+            if s0 > s1 {
+                std::mem::swap(&mut s0, &mut s1);
+                std::mem::swap(&mut w0, &mut w1);
+            }
+            // A section along a ray hides nothing.
+            if s1 - s0 > f64::EPSILON && w0.is_finite() && w1.is_finite() {
+                list.push(Section {
+                    s0,
+                    w0,
+                    s1,
+                    w1,
+                    face,
+                });
+            }
+        }
+    }
+}
+
+/// On which side of `plane` (through `edge`) a face along that edge lies: +1, −1, or 0 when it lies in the plane within `tol`.
+pub(super) fn side_of_face(
+    scene: &Scene,
+    plane: &Plane,
+    edge: EdgeId,
+    face: FaceId,
+    is_forward: bool,
+    tol: f64,
+) -> i8 {
+    let [a, b] = scene.edges[edge].ends.map(|v| scene.vertices[v]);
+    let along = if is_forward { b - a } else { a - b };
+    // Seen from the front the inside lies to the left of the edge.
+    let inwards = scene.faces[face].frame.n.cross(along);
+    let height = plane.normal.dot(inwards);
+    // `inwards` is as long as the edge: the face leaves the plane by `height` over that length.
+    if height.abs() <= tol {
+        0
+    } else if height > 0.0 {
+        1
+    } else {
+        -1
+    }
+}

@@ -1,0 +1,129 @@
+//! The opaque world as convex polygons in a tree.
+
+use super::{BoxTree, Region};
+use crate::geom::Plane;
+use crate::scene::{EdgeId, FaceId, Scene, VertexId};
+use glam::DVec3;
+
+/// One convex piece of a face.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The face it is a piece of.
+    pub face: FaceId,
+    /// Its plane, the normal towards the front of the face.
+    pub plane: Plane,
+    first: u32,
+    count: u32,
+}
+
+/// Every opaque face of a scene as convex parts.
+pub struct Blockers {
+    parts: Vec<Part>,
+    positions: Vec<DVec3>,
+    vertices: Vec<VertexId>,
+    /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
+    edges: Vec<Option<EdgeId>>,
+    tree: BoxTree,
+    weld_distance: f64,
+    roundoff: f64,
+}
+
+impl Blockers {
+    /// Collects the convex parts of all faces.
+    pub fn new(scene: &Scene) -> Self {
+        let (mut parts, mut positions, mut vertices, mut edges) = (vec![], vec![], vec![], vec![]);
+        for (id, face) in scene.faces.iter() {
+            let mut rim: Vec<([VertexId; 2], EdgeId)> = face
+                .loop_edges
+                .iter()
+                .flatten()
+                .map(|&e| (scene.edges[e].ends, e))
+                .collect();
+            rim.sort_unstable();
+            for part in &face.convex_parts {
+                parts.push(Part {
+                    face: id,
+                    plane: face.frame.plane(),
+                    first: u32::try_from(positions.len()).expect("fewer than 2³² corners"),
+                    count: u32::try_from(part.len()).expect("fewer than 2³² corners"),
+                });
+                for (i, &a) in part.iter().enumerate() {
+                    let b = part[(i + 1) % part.len()];
+                    let ends = [a.min(b), a.max(b)];
+                    positions.push(scene.vertices[a]);
+                    vertices.push(a);
+                    edges.push(
+                        rim.binary_search_by_key(&ends, |r| r.0)
+                            .ok()
+                            .map(|k| rim[k].1),
+                    );
+                }
+            }
+        }
+        let tree = BoxTree::new(parts.iter().map(|p: &Part| {
+            let corners = &positions[p.first as usize..(p.first + p.count) as usize];
+            corners
+                .iter()
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &c| {
+                    (lo.min(c), hi.max(c))
+                })
+        }));
+        Self {
+            parts,
+            positions,
+            vertices,
+            edges,
+            tree,
+            weld_distance: scene.weld_distance,
+            // A plane's offset and a point's distance from it are each a dot product of three terms of at most the
+            // scene's diagonal: fewer than 8 roundings.
+            roundoff: 8.0 * f64::EPSILON * scene.diagonal,
+        }
+    }
+
+    /// All parts.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// One part.
+    pub fn part(&self, index: u32) -> &Part {
+        &self.parts[index as usize]
+    }
+
+    /// Corners of a part, counter-clockwise seen from the front of its face, metres.
+    pub fn corners(&self, part: &Part) -> &[DVec3] {
+        &self.positions[part.range()]
+    }
+
+    /// Vertices of a part.
+    pub fn vertices(&self, part: &Part) -> &[VertexId] {
+        &self.vertices[part.range()]
+    }
+
+    /// Scene edges from each corner of a part to the next; none where the part borders on another part of its face.
+    pub fn edges(&self, part: &Part) -> &[Option<EdgeId>] {
+        &self.edges[part.range()]
+    }
+
+    /// Calls `visit` with the index of each part whose box meets `region`.
+    pub fn query(&self, region: &Region, visit: impl FnMut(u32)) {
+        self.tree.query(region, visit);
+    }
+
+    /// Below this distance two points are the same point, metres.
+    pub fn weld_distance(&self) -> f64 {
+        self.weld_distance
+    }
+
+    /// Bound of the rounding error of a point's distance from a plane, metres.
+    pub fn roundoff(&self) -> f64 {
+        self.roundoff
+    }
+}
+
+impl Part {
+    fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}

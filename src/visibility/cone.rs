@@ -1,0 +1,309 @@
+//! Backprojection: the part of a convex polygon that a point sees, exactly.
+//!
+//! A convex blocker hides the cone of directions through it; the cone is bounded by the planes through the viewpoint and
+//! the blocker's edges. Cutting the target along these planes, blocker by blocker, leaves convex pieces whose union is
+//! the visible part. No projection, so no singularity; overlapping blockers are subtracted once.
+//!
+//! ```text
+//!        target  ───────[    ]───────     pieces left and right of the cone stay
+//!                        \  /
+//!        blocker          ==
+//!                         \/
+//!        viewpoint         x
+//! ```
+
+use super::{Blockers, Region};
+use crate::geom::Plane;
+use glam::DVec3;
+use smallvec::SmallVec;
+
+/// A point that looks into the half-space in front of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint {
+    /// Where it stands, metres, local.
+    pub position: DVec3,
+    /// The plane it lies in, normal towards the side it looks to.
+    pub horizon: Plane,
+}
+
+impl Viewpoint {
+    /// A viewpoint at `position` on a surface with unit normal `normal`.
+    pub fn new(position: DVec3, normal: DVec3) -> Self {
+        Self {
+            position,
+            horizon: Plane::new(position, normal),
+        }
+    }
+}
+
+/// One side of a convex polygon that is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    /// Corners, counter-clockwise seen from the side of `plane.normal`.
+    pub corners: &'a [DVec3],
+    /// Its plane, normal towards the side that is looked at.
+    pub plane: Plane,
+}
+
+/// A convex polygon as directions from the viewpoint, metres.
+type Piece = SmallVec<[DVec3; 8]>;
+
+/// Buffers that live over many calls.
+#[derive(Default)]
+pub struct Scratch {
+    pieces: Vec<Piece>,
+    next: Vec<Piece>,
+    candidates: Vec<u32>,
+}
+
+/// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
+struct Cone {
+    rim: Piece,
+    sides: SmallVec<[ConeSide; 8]>,
+}
+
+struct ConeSide {
+    normal: DVec3,
+    /// Rounding error of `normal · d` for a direction of unit length.
+    slack: f64,
+}
+
+impl Scratch {
+    /// Calls `visit` with each convex piece of `target` that `view` sees above its horizon, as directions from the
+    /// viewpoint, and returns whether all of the part above the horizon was visible.
+    ///
+    /// `blockers` are those of the scene; faces in the plane of the viewpoint's surface or of the target hide nothing.
+    pub fn visible_pieces(
+        &mut self,
+        blockers: &Blockers,
+        view: &Viewpoint,
+        target: Target,
+        visit: impl FnMut(&[DVec3]),
+    ) -> bool {
+        let mut candidates = std::mem::take(&mut self.candidates);
+        candidates.clear();
+        collect_candidates(blockers, view, target, &mut candidates);
+        let all = self.visible_pieces_past(blockers, &candidates, view, target, visit);
+        self.candidates = candidates;
+        all
+    }
+
+    /// As [`Scratch::visible_pieces`], past the given parts only.
+    pub fn visible_pieces_past(
+        &mut self,
+        blockers: &Blockers,
+        candidates: &[u32],
+        view: &Viewpoint,
+        target: Target,
+        mut visit: impl FnMut(&[DVec3]),
+    ) -> bool {
+        self.pieces.clear();
+        if target.plane.distance(view.position) <= 0.0 {
+            return true;
+        }
+        let above = clip_to_horizon(view, target.corners);
+        if above.len() < 3 {
+            return true;
+        }
+        self.pieces.push(above);
+        let mut all = true;
+        for &index in candidates {
+            if let Some(cone) = blocker_cone(blockers, index, view, target.plane) {
+                all &= !self.subtract(&cone);
+                if self.pieces.is_empty() {
+                    break;
+                }
+            }
+        }
+        for piece in &self.pieces {
+            visit(piece);
+        }
+        all
+    }
+
+    /// Cuts `cone` out of all pieces; true when anything was cut away.
+    fn subtract(&mut self, cone: &Cone) -> bool {
+        let mut hit = false;
+        self.next.clear();
+        for piece in self.pieces.drain(..) {
+            if is_apart(&piece, cone) {
+                self.next.push(piece);
+                continue;
+            }
+            let before = self.next.len();
+            let mut rest = piece.clone();
+            for side in &cone.sides {
+                let (inside, outside) = split(&rest, side);
+                if let Some(outside) = outside {
+                    self.next.push(outside);
+                }
+                match inside {
+                    Some(inside) => rest = inside,
+                    None => {
+                        rest.clear();
+                        break;
+                    }
+                }
+            }
+            if rest.is_empty() {
+                // Nothing was hidden after all: keep the piece whole rather than in splinters.
+                self.next.truncate(before);
+                self.next.push(piece);
+            } else {
+                hit = true;
+            }
+        }
+        std::mem::swap(&mut self.pieces, &mut self.next);
+        hit
+    }
+}
+
+/// Appends the parts that may hide something of `target` from `view`.
+pub(crate) fn collect_candidates(
+    blockers: &Blockers,
+    view: &Viewpoint,
+    target: Target,
+    out: &mut Vec<u32>,
+) {
+    if target.plane.distance(view.position) <= 0.0 {
+        return;
+    }
+    // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
+    let mut region = Region::pyramid(view.position, target.corners);
+    region.planes.push(view.horizon);
+    region.planes.push(target.plane);
+    blockers.query(&region, |i| {
+        let corners = blockers.corners(blockers.part(i));
+        let tol = blockers.weld_distance();
+        if corners.iter().any(|&c| view.horizon.distance(c) > tol)
+            && corners.iter().any(|&c| target.plane.distance(c) > tol)
+            && region.may_meet_polygon(corners, 0.0)
+        {
+            out.push(i);
+        }
+    });
+    // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
+    out.sort_unstable();
+}
+
+/// The part of a convex polygon above the horizon of `view`, as directions from it.
+fn clip_to_horizon(view: &Viewpoint, corners: &[DVec3]) -> Piece {
+    let height = |d: &DVec3| view.horizon.normal.dot(*d);
+    clip(
+        &corners
+            .iter()
+            .map(|&c| c - view.position)
+            .collect::<Piece>(),
+        height,
+    )
+}
+
+/// Sutherland–Hodgman against one half-space given by a signed distance.
+fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece {
+    let mut out = Piece::new();
+    for (i, a) in points.iter().enumerate() {
+        let b = &points[(i + 1) % points.len()];
+        let (da, db) = (distance(a), distance(b));
+        if da >= 0.0 {
+            out.push(*a);
+        }
+        if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
+            out.push(*a + (*b - *a) * (da / (da - db)));
+        }
+    }
+    out
+}
+
+/// The cone of the part of a blocker in front of the target's plane; none when it hides nothing.
+fn blocker_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane) -> Option<Cone> {
+    let part = blockers.part(index);
+    let eye = view.position;
+    let distance = part.plane.distance(eye);
+    // Seen edge-on it hides nothing.
+    if distance.abs() <= blockers.roundoff() {
+        return None;
+    }
+    let tol = blockers.weld_distance();
+    // Points within the weld distance of the target's plane are in it: a ceiling does not hide the lamp flush with it.
+    let ahead = |p: &DVec3| {
+        let d = target.distance(*p);
+        if d.abs() <= tol { 0.0 } else { d }
+    };
+    let corners = blockers.corners(part);
+    if !corners.iter().any(|c| ahead(c) > 0.0) {
+        return None;
+    }
+    let clipped = if corners.iter().any(|c| ahead(c) < 0.0) {
+        clip(corners, ahead)
+    } else {
+        Piece::from_slice(corners)
+    };
+    let rim: Piece = clipped.iter().map(|&c| c - eye).collect();
+    if rim.len() < 3 {
+        return None;
+    }
+    // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
+    let facing = distance.signum();
+    let sides = (0..rim.len())
+        .map(|i| {
+            let (a, b) = (rim[i], rim[(i + 1) % rim.len()]);
+            ConeSide {
+                normal: b.cross(a) * facing,
+                // Two roundings in each component of the cross product, three in the dot product.
+                slack: 8.0 * f64::EPSILON * a.length() * b.length(),
+            }
+        })
+        .collect();
+    Some(Cone { rim, sides })
+}
+
+/// True when a plane through the viewpoint and an edge of either shape has them on different sides.
+fn is_apart(piece: &[DVec3], cone: &Cone) -> bool {
+    let beyond_cone = cone.sides.iter().any(|s| {
+        piece
+            .iter()
+            .all(|p| s.normal.dot(*p) <= s.slack * p.length())
+    });
+    beyond_cone
+        || (0..piece.len()).any(|i| {
+            let m = piece[(i + 1) % piece.len()].cross(piece[i]);
+            cone.rim.iter().all(|r| m.dot(*r) <= 0.0)
+        })
+}
+
+/// Splits a convex piece by a plane through the viewpoint into the parts inside and outside.
+fn split(piece: &[DVec3], side: &ConeSide) -> (Option<Piece>, Option<Piece>) {
+    let d: SmallVec<[f64; 8]> = piece
+        .iter()
+        .map(|p| {
+            let d = side.normal.dot(*p);
+            if d.abs() <= side.slack * p.length() {
+                0.0
+            } else {
+                d
+            }
+        })
+        .collect();
+    if !d.iter().any(|&d| d > 0.0) {
+        return (None, Some(Piece::from_slice(piece)));
+    }
+    if !d.iter().any(|&d| d < 0.0) {
+        return (Some(Piece::from_slice(piece)), None);
+    }
+    let (mut inside, mut outside) = (Piece::new(), Piece::new());
+    for i in 0..piece.len() {
+        let j = (i + 1) % piece.len();
+        if d[i] >= 0.0 {
+            inside.push(piece[i]);
+        }
+        if d[i] <= 0.0 {
+            outside.push(piece[i]);
+        }
+        if (d[i] > 0.0 && d[j] < 0.0) || (d[i] < 0.0 && d[j] > 0.0) {
+            let cut = piece[i] + (piece[j] - piece[i]) * (d[i] / (d[i] - d[j]));
+            inside.push(cut);
+            outside.push(cut);
+        }
+    }
+    (Some(inside), Some(outside))
+}

@@ -1,0 +1,11 @@
+//! Who hides whom: convex blockers in a tree, and the part of a polygon that a point sees.
+
+mod blockers;
+mod box_tree;
+mod cone;
+mod region;
+
+pub use blockers::{Blockers, Part};
+pub use box_tree::BoxTree;
+pub use cone::{Scratch, Target, Viewpoint};
+pub use region::Region;

@@ -5,6 +5,7 @@ pub mod direct;
 pub mod discontinuity;
 pub mod geom;
 pub mod lit_scene;
+pub mod mesh;
 pub mod quantity;
 pub mod scene;
 pub mod visibility;

@@ -1,5 +1,23 @@
 //! The planar kernel of meshing: breaks on one face become triangles with labelled edges.
+//!
+//! ```text
+//! outline, breaks, points (metres)                       Grid::snap
+//!   → Segment, GridPoint (whole pixels)                  arrange
+//!   → Arrangement: planar graph, each edge knows its sources
+//! ```
+//!
+//! Everything after `Grid::snap` is decided on whole numbers, so no step can contradict another:
+//! two segments cross or they do not, for good. The price is that a line moves by a few pixels
+//! (at most 3·10⁻⁸ of the face each): 4.2 at worst in 80 000 cases made to be difficult.
+//!
+//! Papers: D. Halperin and E. Packer, *Iterated snap rounding*, 2002, for the arrangement;
+//! J. D. Hobby, *Practical segment intersection with finite precision output*, 1999, for why a
+//! rounded arrangement has no new crossings.
 
+mod arrangement;
 mod grid;
+#[cfg(test)]
+mod tests;
 
+pub use arrangement::{ArrangedEdge, Arrangement, Segment, arrange};
 pub use grid::{Grid, GridPoint, orient};

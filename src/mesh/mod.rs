@@ -3,7 +3,9 @@
 //! ```text
 //! outline, breaks, points (metres)                       Grid::snap
 //!   → Segment, GridPoint (whole pixels)                  arrange
-//!   → Arrangement: planar graph, each edge knows its sources
+//!   → Arrangement: planar graph, each edge knows its sources   triangulate
+//!   → Triangulation of the convex hull                   inside, regions, sectors
+//!   → which triangles belong to the face, which touch across a break, where values live
 //! ```
 //!
 //! Everything after `Grid::snap` is decided on whole numbers, so no step can contradict another:
@@ -15,9 +17,11 @@
 //! rounded arrangement has no new crossings.
 
 mod arrangement;
+mod cdt;
 mod grid;
 #[cfg(test)]
 mod tests;
 
 pub use arrangement::{ArrangedEdge, Arrangement, Segment, arrange};
+pub use cdt::{MeshError, Sites, Triangulation, inside, regions, sectors, triangulate};
 pub use grid::{Grid, GridPoint, orient};

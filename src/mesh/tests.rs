@@ -1,6 +1,6 @@
 //! Seeded troublemakers for the whole kernel, shared by the tests of its parts.
 
-use super::{GridPoint, Segment};
+use super::{GridPoint, Segment, arrangement, triangulate};
 
 /// Marsaglia's xorshift: a few lines, the same numbers everywhere.
 pub(super) struct Random(u64);
@@ -168,4 +168,80 @@ pub(super) fn points(
             GridPoint::new(near.x.clamp(-size, size), near.y.clamp(-size, size))
         })
         .collect()
+}
+
+/// Prints how long typical and large faces take; run with `--release -- --ignored --nocapture timing`.
+#[test]
+#[ignore = "a measurement, not a test"]
+fn timing_of_arrangement_and_triangulation() {
+    let size = 1 << 25;
+    let short = |count: usize, reach: i64, random: &mut Random| -> Vec<Segment> {
+        let mut all = segments(Kind::Uniform, count, size - reach, random);
+        for s in &mut all {
+            s.b = random.jitter(s.a, reach);
+        }
+        all
+    };
+    let random = &mut Random::new(1);
+    let few = segments(Kind::Uniform, 50, size, random);
+    let many_points = points(20_000, size, &few, random);
+    // All in one corner, 1/1000 of the face.
+    let crowded = segments(Kind::Uniform, 500, size / 1000, random);
+    let crowd = points(20_000, size / 1000, &crowded[..50], random);
+    let mut cornered = crowded.clone();
+    cornered.extend(segments(Kind::Lattice, 50, size, random));
+    let cases = [
+        (
+            "500 long segments",
+            segments(Kind::Uniform, 500, size, random),
+            vec![],
+        ),
+        ("50 long segments, 20 000 points", few, many_points),
+        ("3000 short segments", short(3000, size / 6, random), vec![]),
+        (
+            "3000 long segments",
+            segments(Kind::Uniform, 3000, size, random),
+            vec![],
+        ),
+        (
+            "480 shadow edges, 2000 points",
+            segments(Kind::BoxShadow, 480, size, random),
+            points(2000, size, &[], random),
+        ),
+        (
+            "500 nearly coincident segments",
+            segments(Kind::NearCoincident, 500, size, random),
+            vec![],
+        ),
+        (
+            "550 segments, 500 of them in a corner with 20 000 points",
+            cornered,
+            crowd,
+        ),
+    ];
+    for (name, segments, points) in cases {
+        let mut best = [f64::INFINITY; 2];
+        let mut line = String::new();
+        for _ in 0..3 {
+            let start = std::time::Instant::now();
+            let (arrangement, passes) = arrangement::arrange_counted(&segments, &points);
+            let arranged = start.elapsed().as_secs_f64();
+            let triangulation = triangulate(&arrangement).expect("arrangements triangulate");
+            let both = start.elapsed().as_secs_f64();
+            best = [best[0].min(arranged), best[1].min(both - arranged)];
+            line = format!(
+                "{} vertices, {} edges ({} with their sources), {} triangles, {passes} passes",
+                arrangement.vertices.len(),
+                arrangement.edges.len(),
+                arrangement
+                    .edges
+                    .iter()
+                    .map(|e| e.sources.len())
+                    .sum::<usize>(),
+                triangulation.triangles.len()
+            );
+        }
+        let [arranged, triangulated] = best.map(|s| s * 1e3);
+        eprintln!("{name}: arrange {arranged:.2} ms, triangulate {triangulated:.2} ms ({line})");
+    }
 }

@@ -1,6 +1,6 @@
 //! Polygons that bend out of their plane become triangles.
 
-use super::face::frame_of;
+use super::best_plane::best_plane;
 use super::outline::trace;
 use super::piece::{Piece, Positions};
 use super::triangulate::triangulate;
@@ -52,7 +52,7 @@ fn bend(piece: &Piece, positions: &Positions) -> f64 {
 }
 
 fn triangles(piece: &Piece, positions: &Positions) -> Option<Vec<Piece>> {
-    let frame = frame_of(piece.newell(positions), piece.points(positions))?;
+    let frame = best_plane(piece.newell(positions), piece.points(positions))?;
     let mut triangles = Vec::new();
     for loops in trace(&[piece], &frame, positions)? {
         let triangulation = triangulate(&loops, &frame, positions)?;

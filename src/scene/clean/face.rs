@@ -1,10 +1,11 @@
 //! Faces from groups of coplanar polygons.
 
+use super::best_plane::best_plane;
 use super::convex::convex_parts;
 use super::outline::{Loops, trace};
 use super::piece::{Piece, Positions};
 use super::triangulate::triangulate;
-use crate::geom::{PlaneFrame, Polygon2, newell_normal};
+use crate::geom::{Polygon2, newell_normal};
 use crate::scene::Face;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -58,17 +59,23 @@ fn build_group(members: &[&Piece], positions: &Positions) -> Built {
 }
 
 fn try_build(members: &[&Piece], positions: &Positions) -> Option<Vec<Face>> {
-    let frame = frame_of(
+    let frame = best_plane(
         members.iter().map(|p| p.newell(positions)).sum(),
         members.iter().flat_map(|p| p.points(positions)),
     )?;
     trace(members, &frame, positions)?
         .into_iter()
-        .map(|loops| face(loops, members[0], positions))
+        .map(|loops| face(loops, members[0].material, members[0].group, positions))
         .collect()
 }
 
-fn face(mut loops: Loops, like: &Piece, positions: &Positions) -> Option<Face> {
+/// The face with these loops, its edges still to be filled in; `None` when they cross or enclose nothing.
+pub(super) fn face(
+    mut loops: Loops,
+    material: u32,
+    group: u32,
+    positions: &Positions,
+) -> Option<Face> {
     // Each loop starts at its lowest vertex, so that it does not depend on where the trace began.
     for l in &mut loops {
         let lowest = (0..l.len()).min_by_key(|&i| l[i]).unwrap_or(0);
@@ -76,7 +83,7 @@ fn face(mut loops: Loops, like: &Piece, positions: &Positions) -> Option<Face> {
     }
     loops[1..].sort_unstable();
     let corners = |l: &[_]| l.iter().map(|&v| positions[v]).collect::<Vec<DVec3>>();
-    let frame = frame_of(
+    let frame = best_plane(
         loops.iter().map(|l| newell_normal(corners(l))).sum(),
         loops.iter().flat_map(|l| corners(l)),
     )?;
@@ -99,27 +106,7 @@ fn face(mut loops: Loops, like: &Piece, positions: &Positions) -> Option<Face> {
             .map(|t| t.map(|i| triangulation.vertices[i]))
             .collect(),
         loops,
-        material: like.material,
-        group: like.group,
+        material,
+        group,
     })
-}
-
-/// The frame along `area` through the point that lies nearest to the middle of all points' distances along it.
-///
-/// A point of the face rather than a mean: the points of an exact plane then have the distance zero exactly.
-pub(super) fn frame_of(
-    area: DVec3,
-    points: impl Iterator<Item = DVec3> + Clone,
-) -> Option<PlaneFrame> {
-    let normal = area.try_normalize()?;
-    let height = |p: DVec3| normal.dot(p);
-    let (lo, hi) = points
-        .clone()
-        .map(height)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), h| {
-            (lo.min(h), hi.max(h))
-        });
-    let off_middle = |p: DVec3| (height(p) - lo.midpoint(hi)).abs();
-    let origin = points.min_by(|&p, &q| off_middle(p).total_cmp(&off_middle(q)))?;
-    Some(PlaneFrame::new(origin, normal))
 }

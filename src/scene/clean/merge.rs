@@ -1,9 +1,14 @@
 //! Which polygons together are one maximal planar face.
 
+use super::best_plane::best_plane;
 use super::piece::{Piece, Positions};
 use crate::geom::Plane;
 use crate::scene::VertexId;
 use glam::DVec3;
+
+/// Rounds of growing a group anew from the plane of all its members. The seed's corners are rounded, so far from it its
+/// plane is off by that rounding times the distance over the seed's size; each round multiplies the size.
+const MAX_REFITS: usize = 4;
 
 /// Groups of pieces that lie in one plane, touch along edges, and share material, group and facing.
 ///
@@ -15,43 +20,91 @@ pub(super) fn coplanar_groups(
     positions: &Positions,
     planarity: f64,
 ) -> Vec<Vec<usize>> {
-    let neighbours = Neighbours::new(pieces);
     let newell: Vec<DVec3> = pieces.iter().map(|p| p.newell(positions)).collect();
     let mut seeds: Vec<usize> = (0..pieces.len()).collect();
     seeds.sort_by(|&a, &b| {
         let area = |i: usize| newell[i].length_squared();
         area(b).total_cmp(&area(a)).then(a.cmp(&b))
     });
-    let mut is_taken = vec![false; pieces.len()];
+    let mut growth = Growth {
+        neighbours: Neighbours::new(pieces),
+        pieces,
+        positions,
+        newell,
+        planarity,
+        is_taken: vec![false; pieces.len()],
+    };
     let mut groups = Vec::new();
     for seed in seeds {
-        if is_taken[seed] {
-            continue;
+        if !growth.is_taken[seed] {
+            groups.push(growth.group(seed));
         }
-        is_taken[seed] = true;
+    }
+    // In the order of the file, so that a face's number tells where it came from.
+    groups.sort_unstable();
+    groups
+}
+
+struct Growth<'a> {
+    pieces: &'a [Piece],
+    positions: &'a Positions,
+    neighbours: Neighbours,
+    /// Twice the area vector of each piece.
+    newell: Vec<DVec3>,
+    planarity: f64,
+    is_taken: Vec<bool>,
+}
+
+impl Growth<'_> {
+    /// The largest group around `seed` that the plane of the seed, or a refitted one, finds; its members are taken.
+    fn group(&mut self, seed: usize) -> Vec<usize> {
+        let mut best = vec![seed];
+        for _ in 0..=MAX_REFITS {
+            let Some(plane) = self.plane(&best).filter(|p| self.fits(seed, p)) else {
+                break;
+            };
+            let members = self.grow(seed, &plane);
+            if members.len() <= best.len() {
+                break;
+            }
+            best = members;
+        }
+        best.iter().for_each(|&i| self.is_taken[i] = true);
+        best.sort_unstable();
+        best
+    }
+
+    fn plane(&self, members: &[usize]) -> Option<Plane> {
+        let points = members
+            .iter()
+            .flat_map(|&i| self.pieces[i].points(self.positions));
+        best_plane(members.iter().map(|&i| self.newell[i]).sum(), points).map(|f| f.plane())
+    }
+
+    fn fits(&self, piece: usize, plane: &Plane) -> bool {
+        self.newell[piece].dot(plane.normal) > 0.0
+            && self.pieces[piece]
+                .points(self.positions)
+                .all(|p| plane.distance(p).abs() <= self.planarity)
+    }
+
+    /// All free pieces that fit the plane and that the seed reaches through others that fit.
+    fn grow(&mut self, seed: usize, plane: &Plane) -> Vec<usize> {
         let mut members = vec![seed];
-        let plane = Plane::new(pieces[seed].mean(positions), newell[seed].normalize());
+        self.is_taken[seed] = true;
         let mut done = 0;
         while done < members.len() {
-            for &candidate in neighbours.of(members[done]) {
-                let joins = !is_taken[candidate]
-                    && newell[candidate].dot(plane.normal) > 0.0
-                    && pieces[candidate]
-                        .points(positions)
-                        .all(|p| plane.distance(p).abs() <= planarity);
-                if joins {
-                    is_taken[candidate] = true;
+            for &candidate in self.neighbours.of(members[done]) {
+                if !self.is_taken[candidate] && self.fits(candidate, plane) {
+                    self.is_taken[candidate] = true;
                     members.push(candidate);
                 }
             }
             done += 1;
         }
-        members.sort_unstable();
-        groups.push(members);
+        members.iter().for_each(|&i| self.is_taken[i] = false);
+        members
     }
-    // In the order of the file, so that a face's number tells where it came from.
-    groups.sort_unstable();
-    groups
 }
 
 /// For each piece, those across an edge with exactly two uses in opposite directions, of its material and group.

@@ -4,10 +4,12 @@
 //! not flat. [`clean`] repairs what it can and counts it:
 //!
 //! ```text
-//! select → weld → drop needles → drop duplicates → split bent → insert T-vertices → merge coplanar → faces → edges
+//! select → weld → drop needles → drop duplicates → split bent → insert T-vertices → merge coplanar
+//!        → faces → straighten edges → edges with their faces
 //! ```
 
 mod bent;
+mod best_plane;
 mod convex;
 mod duplicates;
 mod face;
@@ -17,6 +19,7 @@ mod piece;
 mod point_tree;
 mod report;
 mod select;
+mod straighten;
 mod t_junction;
 #[cfg(test)]
 mod tests;
@@ -97,7 +100,7 @@ pub fn clean(
     report.is_settled = t_junctions.is_settled;
 
     let groups = merge::coplanar_groups(&pieces, &positions, tolerances.planarity);
-    let built = face::build_faces(&pieces, &groups, &positions);
+    let mut built = face::build_faces(&pieces, &groups, &positions);
     report.pieces = pieces.len();
     report.unmerged = built.unmerged;
     folded.extend(built.dropped);
@@ -107,6 +110,8 @@ pub fn clean(
     if built.faces.is_empty() {
         return Err(select::nothing_left(raw, "every face is degenerate"));
     }
+    report.straightened =
+        straighten::straighten(&mut built.faces, &positions, tolerances.weld_distance);
     let (faces, vertices) = compact(built.faces, &positions);
     let scene = assemble(
         raw,

@@ -35,6 +35,8 @@ pub struct CleanReport {
     pub pieces: usize,
     /// Sets of coplanar polygons left unmerged because they have no common outline.
     pub unmerged: usize,
+    /// Vertices removed from the middle of straight edges.
+    pub straightened: usize,
     /// Faces of the scene.
     pub faces: usize,
     /// Vertices of the scene.

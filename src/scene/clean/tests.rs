@@ -54,7 +54,28 @@ fn cleaned(raw: &RawScene) -> (Scene, CleanReport) {
     scene
         .check_invariants(report.planarity_m)
         .expect("the scene is valid");
+    assert_separated(&scene);
     (scene, report)
+}
+
+/// Fails where a vertex lies within the weld distance of another one or of an edge that does not end there.
+fn assert_separated(scene: &Scene) {
+    let tree = point_tree::PointTree::new(&scene.vertices, scene.vertices.ids().collect());
+    let reach = scene.weld_distance;
+    for (v, &p) in scene.vertices.iter() {
+        tree.near_segment(p, p, reach, &mut |w| {
+            assert!(v == w || p.distance(scene.vertices[w]) > reach, "{v} {w}");
+        });
+    }
+    for (id, edge) in scene.edges.iter() {
+        let [a, b] = edge.ends.map(|v| scene.vertices[v]);
+        tree.near_segment(a, b, reach, &mut |v| {
+            let (p, d) = (scene.vertices[v] - a, b - a);
+            let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
+            let is_off = (p - d * t).length() > reach;
+            assert!(edge.ends.contains(&v) || is_off, "vertex {v}, edge {id}");
+        });
+    }
 }
 
 /// The numbers that must not depend on place, size or order.
@@ -192,6 +213,38 @@ fn a_vertex_in_the_middle_of_an_edge_is_inserted() {
     assert_eq!(scene.faces[FaceId(0)].loops[0].len(), 5);
     assert_eq!(report.boundary_edges, 7);
     assert_eq!(report.emitters, 1);
+}
+
+#[test]
+fn vertices_on_straight_edges_vanish_where_no_other_face_ends() {
+    // A floor of two cells, a wall of two cells on one side of it, and a fin at the seam on the other side.
+    let positions = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [2.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [2.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [1.0, 2.0, 0.0],
+    ];
+    let raw = soup(
+        &positions,
+        &[
+            (&[0, 1, 4, 3], GREY),
+            (&[1, 2, 5, 4], GREY),
+            (&[0, 6, 7, 1], GREY),
+            (&[1, 7, 8, 2], GREY),
+            (&[4, 10, 9], GREY),
+        ],
+    );
+    let (scene, report) = cleaned(&raw);
+    assert_eq!((report.faces, report.straightened), (3, 2));
+    assert_eq!(scene.faces[FaceId(0)].loops[0].len(), 5);
+    assert_eq!(scene.faces[FaceId(1)].loops[0].len(), 4);
 }
 
 #[test]

@@ -17,10 +17,7 @@ fn read(path: &Path) -> RawScene {
         .expect("a readable MTL")
         .iter()
         .map(|m| {
-            let is_lamp = m
-                .unknown_param
-                .get("Ke")
-                .is_some_and(|ke| ke.split_whitespace().any(|v| v.parse() != Ok(0.0)));
+            let is_lamp = m.emissive.is_some_and(|e| e.iter().any(|&v| v > 0.0));
             Material {
                 is_see_through: m.dissolve.is_some_and(|d| d < 0.5),
                 ..material(&m.name, if is_lamp { 1.0 } else { 0.0 })
@@ -77,5 +74,6 @@ fn scenes_of_others_come_out_valid() {
         scene
             .check_invariants(report.planarity_m)
             .expect("the scene is valid");
+        assert_separated(&scene);
     }
 }

@@ -1,0 +1,236 @@
+//! Vertices in the middle of a straight edge that no other face needs vanish.
+//!
+//! Every edge casts its own critical lines, so a wall's edge in five pieces costs five times the work of one.
+
+use super::face::face;
+use super::piece::Positions;
+use super::point_tree::PointTree;
+use crate::scene::{Face, VertexId};
+use rayon::prelude::*;
+
+/// Removes such vertices from the loops of all faces; returns how many.
+///
+/// A vertex is *plain* when the same faces run along both its edges and no other edge meets it. Chains of plain vertices
+/// are thinned so that each removed one stays within `weld_distance` of the edge that replaces it (D. Douglas, T. Peucker,
+/// *Algorithms for the reduction of the number of points*, 1973). A chain stays as it is where the new edge would meet
+/// another vertex or coincide with another edge.
+pub(super) fn straighten(faces: &mut [Face], positions: &Positions, weld_distance: f64) -> usize {
+    let mut is_pinned = vec![false; positions.len()];
+    loop {
+        let is_removed = removable(faces, positions, weld_distance, &is_pinned);
+        let rebuilt: Vec<(usize, Option<Face>)> = faces
+            .par_iter()
+            .enumerate()
+            .filter(|(_, f)| vertices_of(f).any(|v| is_removed[v.0 as usize]))
+            .map(|(i, f)| (i, thinned(f, &is_removed, positions)))
+            .collect();
+        // A face that has no outline without them keeps its vertices, and so do its neighbours then.
+        let mut has_failed = false;
+        for (i, _) in rebuilt.iter().filter(|(_, face)| face.is_none()) {
+            has_failed = true;
+            vertices_of(&faces[*i]).for_each(|v| is_pinned[v.0 as usize] = true);
+        }
+        if has_failed {
+            continue;
+        }
+        for (i, face) in rebuilt {
+            faces[i] = face.expect("failures were tried again");
+        }
+        return is_removed.iter().filter(|&&r| r).count();
+    }
+}
+
+fn vertices_of(face: &Face) -> impl Iterator<Item = VertexId> + '_ {
+    face.loops.iter().flatten().copied()
+}
+
+fn thinned(old: &Face, is_removed: &[bool], positions: &Positions) -> Option<Face> {
+    let mut loops = old.loops.clone();
+    for l in &mut loops {
+        l.retain(|v| !is_removed[v.0 as usize]);
+        if l.len() < 3 {
+            return None;
+        }
+    }
+    face(loops, old.material, old.group, positions)
+}
+
+/// An edge with the faces along it.
+struct Link {
+    ends: [VertexId; 2],
+    faces: Vec<usize>,
+}
+
+/// Which vertices can go.
+fn removable(
+    faces: &[Face],
+    positions: &Positions,
+    weld_distance: f64,
+    is_pinned: &[bool],
+) -> Vec<bool> {
+    let links = links(faces);
+    let around = links_around(&links, positions.len());
+    let is_plain: Vec<bool> = around
+        .iter()
+        .zip(is_pinned)
+        .map(|(around, &is_pinned)| match around.as_slice() {
+            &[a, b] => !is_pinned && links[a].faces == links[b].faces,
+            _ => false,
+        })
+        .collect();
+    let mut is_removed = vec![false; positions.len()];
+    let mut new_edges = Vec::new();
+    for chain in chains(&links, &around, &is_plain) {
+        for span in spans(&chain, positions, weld_distance) {
+            let inner = &span[1..span.len() - 1];
+            inner.iter().for_each(|v| is_removed[v.0 as usize] = true);
+            if !inner.is_empty() {
+                let (a, b) = (span[0], span[span.len() - 1]);
+                new_edges.push((a.min(b), a.max(b), inner.to_vec()));
+            }
+        }
+    }
+    keep_where_in_conflict(&links, new_edges, positions, weld_distance, &mut is_removed);
+    is_removed
+}
+
+fn links(faces: &[Face]) -> Vec<Link> {
+    let mut uses: Vec<([VertexId; 2], usize)> = Vec::new();
+    for (i, face) in faces.iter().enumerate() {
+        for l in &face.loops {
+            let next = l.iter().cycle().skip(1);
+            uses.extend(l.iter().zip(next).map(|(&a, &b)| ([a.min(b), a.max(b)], i)));
+        }
+    }
+    uses.sort_unstable();
+    uses.chunk_by(|a, b| a.0 == b.0)
+        .map(|along| Link {
+            ends: along[0].0,
+            faces: along.iter().map(|u| u.1).collect(),
+        })
+        .collect()
+}
+
+fn links_around(links: &[Link], vertices: usize) -> Vec<Vec<usize>> {
+    let mut around = vec![Vec::new(); vertices];
+    for (i, link) in links.iter().enumerate() {
+        for end in link.ends {
+            around[end.0 as usize].push(i);
+        }
+    }
+    around
+}
+
+/// Paths over plain vertices between two that are not; a ring of plain vertices only starts and ends at the same one.
+fn chains(links: &[Link], around: &[Vec<usize>], is_plain: &[bool]) -> Vec<Vec<VertexId>> {
+    let mut is_walked = vec![false; links.len()];
+    let mut walk = |start: VertexId, first: usize| {
+        let mut chain = vec![start];
+        let (mut at, mut link) = (start, first);
+        while !is_walked[link] {
+            is_walked[link] = true;
+            let [a, b] = links[link].ends;
+            at = if a == at { b } else { a };
+            chain.push(at);
+            if !is_plain[at.0 as usize] {
+                break;
+            }
+            let ways = &around[at.0 as usize];
+            link = if ways[0] == link { ways[1] } else { ways[0] };
+        }
+        chain
+    };
+    let mut chains = Vec::new();
+    for wanted in [false, true] {
+        for (v, ways) in around.iter().enumerate() {
+            if is_plain[v] == wanted {
+                chains.extend(ways.iter().map(|&link| walk(VertexId::from(v), link)));
+            }
+        }
+    }
+    chains.retain(|c| c.len() > 2);
+    chains
+}
+
+/// Cuts a chain into spans whose inner vertices lie within `weld_distance` of the line between the span's ends.
+fn spans<'a>(
+    chain: &'a [VertexId],
+    positions: &Positions,
+    weld_distance: f64,
+) -> Vec<&'a [VertexId]> {
+    let mut done = Vec::new();
+    let mut open = vec![chain];
+    while let Some(span) = open.pop() {
+        let (a, b) = (positions[span[0]], positions[span[span.len() - 1]]);
+        let d = b - a;
+        // The ends of a ring coincide: the distance is then that from the point, and a ring is always cut.
+        let off = |v: VertexId| {
+            let p = positions[v] - a;
+            let t = (p.dot(d) / d.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (p - d * t).length()
+        };
+        let farthest = (1..span.len() - 1).max_by(|&i, &j| {
+            off(span[i])
+                .total_cmp(&off(span[j]))
+                .then(span[j].cmp(&span[i]))
+        });
+        match farthest {
+            Some(i) if off(span[i]) > weld_distance => {
+                open.push(&span[i..]);
+                open.push(&span[..=i]);
+            }
+            _ => done.push(span),
+        }
+    }
+    done
+}
+
+/// Puts back the vertices of new edges that come too close to another vertex or that another edge coincides with.
+fn keep_where_in_conflict(
+    links: &[Link],
+    mut new_edges: Vec<(VertexId, VertexId, Vec<VertexId>)>,
+    positions: &Positions,
+    weld_distance: f64,
+    is_removed: &mut [bool],
+) {
+    new_edges.sort_unstable();
+    let staying: Vec<VertexId> = positions
+        .iter()
+        .map(|(v, _)| v)
+        .filter(|v| !is_removed[v.0 as usize])
+        .collect();
+    let tree = PointTree::new(positions, staying);
+    let is_conflict: Vec<bool> = new_edges
+        .par_iter()
+        .enumerate()
+        .map(|(i, &(from, to, _))| {
+            let twin = |j: Option<usize>| {
+                j.and_then(|j| new_edges.get(j))
+                    .is_some_and(|e| (e.0, e.1) == (from, to))
+            };
+            let is_old = links
+                .binary_search_by_key(&[from, to], |link| link.ends)
+                .is_ok();
+            let mut meets_vertex = false;
+            tree.near_segment(positions[from], positions[to], weld_distance, &mut |v| {
+                meets_vertex |= v != from
+                    && v != to
+                    && distance_to_line(positions, from, to, v) <= weld_distance;
+            });
+            is_old || twin(i.checked_sub(1)) || twin(Some(i + 1)) || meets_vertex
+        })
+        .collect();
+    for ((_, _, inner), is_conflict) in new_edges.iter().zip(is_conflict) {
+        if is_conflict {
+            inner.iter().for_each(|v| is_removed[v.0 as usize] = false);
+        }
+    }
+}
+
+fn distance_to_line(positions: &Positions, from: VertexId, to: VertexId, v: VertexId) -> f64 {
+    let a = positions[from];
+    (positions[to] - a)
+        .normalize()
+        .cross(positions[v] - a)
+        .length()
+}

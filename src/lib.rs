@@ -1,5 +1,6 @@
 //! umbrage bakes light into meshes.
 
+pub mod adapt;
 pub mod bad_input;
 pub mod direct;
 pub mod discontinuity;

@@ -1,0 +1,141 @@
+//! The element mesh of one side of one face.
+
+use super::GridPoint;
+use super::domain::EdgeSource;
+use crate::scene::{EdgeId, VertexId};
+use glam::DVec2;
+
+/// Where a mesh vertex comes from; equal origins are equal points, on every face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VertexOrigin {
+    /// Inside the face.
+    Inner,
+    /// A vertex of the scene.
+    Corner(VertexId),
+    /// A point of an edge of the scene, `ends[0] + t (ends[1] − ends[0])`.
+    OnEdge(EdgeId, f64),
+}
+
+/// Triangles along the lines of one side of one face.
+///
+/// Element `e` has corners `elements[e]` (vertices, counter-clockwise in the face's frame) and values at the sites
+/// `sites[e]`: a vertex has one site, on contact lines and on the outline one for each sector of elements around it.
+#[derive(Clone, Debug, Default)]
+pub struct ReceiverMesh {
+    /// Vertices on the face's grid.
+    pub vertices: Vec<GridPoint>,
+    /// The same in frame coordinates, metres.
+    pub plane: Vec<DVec2>,
+    /// Where each vertex comes from.
+    pub origins: Vec<VertexOrigin>,
+    /// Corners of each element.
+    pub elements: Vec<[u32; 3]>,
+    /// Value sites at these corners.
+    pub sites: Vec<[u32; 3]>,
+    /// Element across edge `k` (from corner `k` to corner `k + 1`).
+    pub neighbours: Vec<[Option<u32>; 3]>,
+    /// Index into `labels` for edge `k`, where it lies on a line.
+    pub edges: Vec<[Option<u32>; 3]>,
+    /// What the labelled edges lie on.
+    pub labels: Vec<Vec<EdgeSource>>,
+    /// Vertex of each site.
+    pub site_vertices: Vec<u32>,
+    /// Where the value of each site is taken, frame coordinates, metres: at the vertex, or just inside the site's sector
+    /// where the value is a one-sided limit.
+    pub site_points: Vec<DVec2>,
+    /// Whether a site's value is such a limit.
+    pub is_limit: Vec<bool>,
+}
+
+/// One-sided limits are taken this many weld distances inside: beyond what welding and the grid may have moved.
+const INSET_IN_WELD_DISTANCES: f64 = 4.0;
+
+/// At most this share of the way to the middle of the element.
+const INSET_SHARE: f64 = 0.25;
+
+impl ReceiverMesh {
+    /// Corners of element `e` in frame coordinates, metres.
+    pub fn corners(&self, e: usize) -> [DVec2; 3] {
+        self.elements[e].map(|v| self.plane[v as usize])
+    }
+
+    /// Area of element `e`, m².
+    pub fn area(&self, e: usize) -> f64 {
+        let [a, b, c] = self.corners(e);
+        0.5 * (b - a).perp_dot(c - a)
+    }
+
+    /// Middle of element `e`, metres.
+    pub fn centre(&self, e: usize) -> DVec2 {
+        self.corners(e).iter().sum::<DVec2>() / 3.0
+    }
+
+    /// True when values may differ across edge `k` of element `e`.
+    pub fn is_barrier(&self, e: usize, k: usize) -> bool {
+        self.edges[e][k].is_some_and(|l| {
+            self.labels[l as usize]
+                .iter()
+                .any(|s| !matches!(s, EdgeSource::Line(_)))
+        })
+    }
+
+    /// `p` on the border of element `e`, moved into the element as far as one-sided limits are.
+    pub fn inset(&self, e: usize, p: DVec2, weld_distance: f64) -> DVec2 {
+        let d = self.centre(e) - p;
+        let length = d.length();
+        let step = (INSET_IN_WELD_DISTANCES * weld_distance).min(INSET_SHARE * length);
+        if length > 0.0 {
+            p + d * (step / length)
+        } else {
+            p
+        }
+    }
+
+    /// Puts each site at its vertex, or inside the widest element of its sector when its vertex lies on a barrier.
+    pub(super) fn place_sites(&mut self, weld_distance: f64) {
+        let mut on_barrier = vec![false; self.vertices.len()];
+        for (e, corners) in self.elements.iter().enumerate() {
+            for k in 0..3 {
+                if self.is_barrier(e, k) {
+                    on_barrier[corners[k] as usize] = true;
+                    on_barrier[corners[(k + 1) % 3] as usize] = true;
+                }
+            }
+        }
+        let mut widest: Vec<Option<(f64, u32)>> = vec![None; self.site_vertices.len()];
+        for (e, sites) in self.sites.iter().enumerate() {
+            let p = self.corners(e);
+            for k in 0..3 {
+                let angle = (p[(k + 1) % 3] - p[k])
+                    .angle_to(p[(k + 2) % 3] - p[k])
+                    .abs();
+                let best = &mut widest[sites[k] as usize];
+                if best.is_none_or(|(a, _)| angle > a) {
+                    *best = Some((angle, e as u32));
+                }
+            }
+        }
+        self.is_limit = self
+            .site_vertices
+            .iter()
+            .map(|&v| on_barrier[v as usize])
+            .collect();
+        self.site_points = (0..self.site_vertices.len())
+            .map(|s| {
+                let p = self.plane[self.site_vertices[s] as usize];
+                match widest[s] {
+                    Some((_, e)) if self.is_limit[s] => self.inset(e as usize, p, weld_distance),
+                    _ => p,
+                }
+            })
+            .collect();
+    }
+}
+
+/// Barycentric coordinates of `p` in the triangle `t`.
+pub fn barycentric(t: [DVec2; 3], p: DVec2) -> [f64; 3] {
+    let (u, v, w) = (t[1] - t[0], t[2] - t[0], p - t[0]);
+    let area = u.perp_dot(v);
+    let (b, c) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
+    [1.0 - b - c, b, c]
+}

@@ -8,6 +8,7 @@ pub mod geom;
 pub mod lit_scene;
 pub mod mesh;
 pub mod quantity;
+pub mod radiosity;
 pub mod scene;
 pub mod visibility;
 pub mod warning;

@@ -82,7 +82,11 @@ impl Scratch {
     ) -> bool {
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
-        collect_candidates(blockers, view, target, &mut candidates);
+        if target.plane.distance(view.position) > 0.0 {
+            // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
+            let region = Region::pyramid(view.position, target.corners);
+            blockers.collect(view, region, target.plane, &mut candidates);
+        }
         let all = self.visible_pieces_past(blockers, &candidates, view, target, visit);
         self.candidates = candidates;
         all
@@ -158,32 +162,24 @@ impl Scratch {
     }
 }
 
-/// Appends the parts that may hide something of `target` from `view`.
-pub(crate) fn collect_candidates(
-    blockers: &Blockers,
-    view: &Viewpoint,
-    target: Target,
-    out: &mut Vec<u32>,
-) {
-    if target.plane.distance(view.position) <= 0.0 {
-        return;
+impl Blockers {
+    /// Appends the parts that may hide from `view` something that lies in `region` and in the plane `target`.
+    pub fn collect(&self, view: &Viewpoint, mut region: Region, target: Plane, out: &mut Vec<u32>) {
+        region.planes.push(view.horizon);
+        region.planes.push(target);
+        let tol = self.weld_distance();
+        self.query(&region, |i| {
+            let corners = self.corners(self.part(i));
+            if corners.iter().any(|&c| view.horizon.distance(c) > tol)
+                && corners.iter().any(|&c| target.distance(c) > tol)
+                && region.may_meet_polygon(corners, 0.0)
+            {
+                out.push(i);
+            }
+        });
+        // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
+        out.sort_unstable();
     }
-    // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
-    let mut region = Region::pyramid(view.position, target.corners);
-    region.planes.push(view.horizon);
-    region.planes.push(target.plane);
-    blockers.query(&region, |i| {
-        let corners = blockers.corners(blockers.part(i));
-        let tol = blockers.weld_distance();
-        if corners.iter().any(|&c| view.horizon.distance(c) > tol)
-            && corners.iter().any(|&c| target.plane.distance(c) > tol)
-            && region.may_meet_polygon(corners, 0.0)
-        {
-            out.push(i);
-        }
-    });
-    // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
-    out.sort_unstable();
 }
 
 /// The part of a convex polygon above the horizon of `view`, as directions from it.

@@ -1,0 +1,84 @@
+//! Which element of a mesh holds a point.
+
+use crate::mesh::{ReceiverMesh, barycentric};
+use glam::DVec2;
+
+/// A uniform grid of buckets over the elements' boxes, about one element a bucket.
+pub(super) struct Locator {
+    lo: DVec2,
+    cell: DVec2,
+    side: usize,
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Locator {
+    pub(super) fn new(mesh: &ReceiverMesh) -> Self {
+        let n = mesh.elements.len();
+        let used = || {
+            mesh.elements
+                .iter()
+                .flatten()
+                .map(|&v| mesh.plane[v as usize])
+        };
+        let lo = used().fold(DVec2::INFINITY, DVec2::min);
+        let hi = used().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let side = ((n as f64).sqrt().ceil() as usize).max(1);
+        let mut locator = Self {
+            lo,
+            cell: ((hi - lo) / side as f64).max(DVec2::splat(f64::MIN_POSITIVE)),
+            side,
+            starts: Vec::new(),
+            items: Vec::new(),
+        };
+        let mut pairs = Vec::new();
+        for e in 0..n {
+            let [a, b, c] = mesh.corners(e);
+            let (from, to) = (
+                locator.bucket(a.min(b).min(c)),
+                locator.bucket(a.max(b).max(c)),
+            );
+            for j in from.1..=to.1 {
+                for i in from.0..=to.0 {
+                    pairs.push((j * side + i, e as u32));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        locator.starts = (0..=side * side)
+            .map(|c| pairs.partition_point(|p| p.0 < c) as u32)
+            .collect();
+        locator.items = pairs.into_iter().map(|p| p.1).collect();
+        locator
+    }
+
+    fn bucket(&self, p: DVec2) -> (usize, usize) {
+        let q = (p - self.lo) / self.cell;
+        let index = |x: f64| (x.max(0.0) as usize).min(self.side - 1);
+        (index(q.x), index(q.y))
+    }
+
+    /// The element that holds `p` and the barycentric coordinates there; outside all elements the one that comes nearest,
+    /// with coordinates clamped to it. None when there is no element.
+    pub(super) fn locate(&self, mesh: &ReceiverMesh, p: DVec2) -> Option<(usize, [f64; 3])> {
+        let (i, j) = self.bucket(p);
+        let c = j * self.side + i;
+        let depth = |e: usize| {
+            let b = barycentric(mesh.corners(e), p);
+            (e, b, b[0].min(b[1]).min(b[2]))
+        };
+        let deepest = |items: &mut dyn Iterator<Item = usize>| {
+            items.map(depth).max_by(|a, b| a.2.total_cmp(&b.2))
+        };
+        let range = self.starts[c] as usize..self.starts[c + 1] as usize;
+        let mut found = deepest(&mut self.items[range].iter().map(|&e| e as usize));
+        if found.is_none_or(|f| f.2 < 0.0) {
+            found = deepest(&mut (0..mesh.elements.len()));
+        }
+        found.map(|(e, b, _)| {
+            let clamped = b.map(|x| x.max(0.0));
+            let sum: f64 = clamped.iter().sum();
+            (e, clamped.map(|x| x / sum))
+        })
+    }
+}

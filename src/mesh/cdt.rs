@@ -58,6 +58,9 @@ pub struct Triangulation {
 
 /// Triangulates the convex hull of `arrangement`; without three vertices off a line there are no triangles.
 ///
+/// The result is the constrained Delaunay triangulation; a polygon of unlabelled edges whose corners lie on one
+/// circle is a fan around its smallest vertex. So it is unique.
+///
 /// # Errors
 /// [`MeshError`] when the arrangement breaks its promises.
 pub fn triangulate(arrangement: &Arrangement) -> Result<Triangulation, MeshError> {
@@ -77,21 +80,12 @@ pub fn triangulate(arrangement: &Arrangement) -> Result<Triangulation, MeshError
         return Err(MeshError::Conflict { ends });
     }
 
-    // Our own order, so that nothing depends on how the library numbers its faces.
-    let mut triangles: Vec<_> = cdt
-        .inner_faces()
-        .map(|f| smallest_first(f.vertices().map(|v| v.fix().index() as u32)))
-        .collect();
-    triangles.sort_unstable();
-
-    let count = triangles.len();
-    let mut triangulation = Triangulation {
-        vertices: arrangement.vertices.clone(),
-        triangles,
-        neighbours: vec![[None; 3]; count],
-        edges: vec![[None; 3]; count],
-    };
-    triangulation.connect(arrangement)?;
+    let faces = cdt.inner_faces();
+    let triangles = faces.map(|f| f.vertices().map(|v| v.fix().index() as u32));
+    let mut triangulation = Triangulation::new(triangles.collect(), arrangement)?;
+    if triangulation.settle_ties() {
+        triangulation = Triangulation::new(triangulation.triangles, arrangement)?;
+    }
     Ok(triangulation)
 }
 
@@ -106,7 +100,102 @@ fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
+/// Where `d` lies from the circle through `a b c`, counter-clockwise: positive inside, 0 on it, exactly.
+fn in_circle([a, b, c, d]: [GridPoint; 4]) -> i128 {
+    // Relative to d, coordinates are below 2²⁷; minors and squares are below 2⁵⁵.
+    let [a, b, c] = [a, b, c].map(|p| (p.x - d.x, p.y - d.y));
+    let lift = |p: (i64, i64)| i128::from(p.0 * p.0 + p.1 * p.1);
+    let minor = |p: (i64, i64), q: (i64, i64)| i128::from(p.0 * q.1 - p.1 * q.0);
+    lift(a) * minor(b, c) + lift(b) * minor(c, a) + lift(c) * minor(a, b)
+}
+
 impl Triangulation {
+    /// Puts triangles into our own order, so that nothing depends on how the library numbers its faces.
+    fn new(triangles: Vec<[u32; 3]>, arrangement: &Arrangement) -> Result<Self, MeshError> {
+        let mut triangles: Vec<_> = triangles.into_iter().map(smallest_first).collect();
+        triangles.sort_unstable();
+        let count = triangles.len();
+        let mut triangulation = Self {
+            vertices: arrangement.vertices.clone(),
+            triangles,
+            neighbours: vec![[None; 3]; count],
+            edges: vec![[None; 3]; count],
+        };
+        triangulation.connect(arrangement)?;
+        Ok(triangulation)
+    }
+
+    /// Makes every polygon whose corners lie on one circle a fan around its smallest vertex; true when that changed something.
+    ///
+    /// On a grid such polygons abound, each of their triangulations is Delaunay, and which one the
+    /// library finds may depend on its hash sets' random order. All other edges are unique.
+    /// A flip towards the smallest corner of a quadrilateral raises the degree of that corner at
+    /// the cost of larger ones, so the flips end; and as long as a polygon is not the fan, the side of a triangle
+    /// opposite to its smallest vertex can be flipped. Leaves labels and order for [`Self::new`] to redo.
+    fn settle_ties(&mut self) -> bool {
+        let all = 0..self.triangles.len();
+        let mut stack: Vec<_> = all.flat_map(|t| [(t, 0), (t, 1), (t, 2)]).collect();
+        let mut changed = false;
+        while let Some((t, k)) = stack.pop() {
+            let (None, Some(u)) = (self.edges[t][k], self.neighbours[t][k]) else {
+                continue;
+            };
+            let u = u as usize;
+            let m = self.side_towards(u, t);
+            let [a, b, c] = [k, k + 1, k + 2].map(|i| self.triangles[t][i % 3]);
+            let d = self.triangles[u][(m + 2) % 3];
+            let corners = [a, b, c, d].map(|v| self.vertices[v as usize]);
+            if a.min(b) < c.min(d) || in_circle(corners) != 0 {
+                continue;
+            }
+            self.flip((t, k), (u, m));
+            stack.extend([(t, 0), (t, 1), (t, 2), (u, 0), (u, 1)]);
+            changed = true;
+        }
+        changed
+    }
+
+    /// Replaces the edge between two triangles by the other diagonal.
+    ///
+    /// ```text
+    ///      c                 c
+    ///    ╱ t ╲             ╱ │ ╲
+    ///   a ─── b     →     a t│u b
+    ///    ╲ u ╱             ╲ │ ╱
+    ///      d                 d
+    /// ```
+    fn flip(&mut self, (t, k): (usize, usize), (u, m): (usize, usize)) {
+        let [a, b, c] = [k, k + 1, k + 2].map(|i| self.triangles[t][i % 3]);
+        let d = self.triangles[u][(m + 2) % 3];
+        let side = |of: usize, i: usize| (self.neighbours[of][i % 3], self.edges[of][i % 3]);
+        let (bc, ca, ad, db) = (
+            side(t, k + 1),
+            side(t, k + 2),
+            side(u, m + 1),
+            side(u, m + 2),
+        );
+
+        // Two outer sides change hands.
+        for (outer, old, new) in [(ad.0, u, t), (bc.0, t, u)] {
+            if let Some(outer) = outer.map(|o| o as usize) {
+                let back = self.side_towards(outer, old);
+                self.neighbours[outer][back] = Some(new as u32);
+            }
+        }
+        self.triangles[t] = [a, d, c];
+        self.neighbours[t] = [ad.0, Some(u as u32), ca.0];
+        self.edges[t] = [ad.1, None, ca.1];
+        self.triangles[u] = [d, b, c];
+        self.neighbours[u] = [db.0, bc.0, Some(t as u32)];
+        self.edges[u] = [db.1, bc.1, None];
+    }
+
+    /// The edge of triangle `t` beyond which its neighbour `u` lies.
+    fn side_towards(&self, t: usize, u: usize) -> usize {
+        let side = (0..3).find(|&k| self.neighbours[t][k] == Some(u as u32));
+        side.expect("neighbours know each other")
+    }
+
     /// Finds the neighbours and the arrangement's edges by sorting the triangles' sides by their ends.
     fn connect(&mut self, arrangement: &Arrangement) -> Result<(), MeshError> {
         let mut sides = Vec::with_capacity(3 * self.triangles.len());
@@ -156,8 +245,7 @@ impl Triangulation {
                 let Some(u) = self.neighbours[t][k].map(|u| u as usize) else {
                     continue;
                 };
-                let back = (0..3).find(|&m| self.neighbours[u][m] == Some(t as u32));
-                let m = back.expect("neighbours know each other");
+                let m = self.side_towards(u, t);
                 let edge = [corners[k], corners[(k + 1) % 3]];
                 let theirs = [self.triangles[u][(m + 1) % 3], self.triangles[u][m]];
                 assert_eq!(edge, theirs, "neighbours {t} and {u} share no edge");

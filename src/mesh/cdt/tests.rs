@@ -134,7 +134,7 @@ fn check(triangulation: &Triangulation, arrangement: &Arrangement) {
                     assert_eq!(arrangement.edges[*e as usize].ends, [a.min(b), a.max(b)]);
                     found[*e as usize] = true;
                 }
-                None => assert!(is_locally_delaunay(triangulation, t, k)),
+                None => assert!(is_the_right_diagonal(triangulation, t, k)),
             }
         }
     }
@@ -150,8 +150,9 @@ fn check(triangulation: &Triangulation, arrangement: &Arrangement) {
     assert_eq!(t, 2 * v - 2 - hull, "Euler");
 }
 
-/// True unless the corner beyond edge `k` of `t` lies within the circle through the corners of `t`.
-fn is_locally_delaunay(triangulation: &Triangulation, t: usize, k: usize) -> bool {
+/// True when the corner beyond edge `k` of `t` lies outside the circle through the corners of `t`, or on it and
+/// the smallest of the four corners is an end of the edge. Written without the code under test.
+fn is_the_right_diagonal(triangulation: &Triangulation, t: usize, k: usize) -> bool {
     let Some(u) = triangulation.neighbours[t][k] else {
         return true;
     };
@@ -168,7 +169,27 @@ fn is_locally_delaunay(triangulation: &Triangulation, t: usize, k: usize) -> boo
         (x, y, x * x + y * y)
     });
     let minor = |p: (i128, i128, i128), q: (i128, i128, i128)| p.0 * q.1 - p.1 * q.0;
-    a.2 * minor(b, c) - b.2 * minor(a, c) + c.2 * minor(a, b) <= 0
+    let within = a.2 * minor(b, c) - b.2 * minor(a, c) + c.2 * minor(a, b);
+    let smallest = corners.into_iter().chain([beyond]).min();
+    let ends = [corners[k], corners[(k + 1) % 3]];
+    within < 0 || (within == 0 && smallest.is_some_and(|v| ends.contains(&v)))
+}
+
+#[test]
+fn a_polygon_on_a_circle_is_a_fan_around_its_smallest_vertex() {
+    // All twelve grid points on the circle of radius 5, and a lattice, where every cell is tied.
+    let ring = [[5, 0], [4, 3], [3, 4], [0, 5], [-3, 4], [-4, 3]];
+    let ring = ring.into_iter().flat_map(|[x, y]| [[x, y], [-x, -y]]);
+    let ring: Vec<_> = ring.map(|[x, y]| GridPoint::new(x, y)).collect();
+    let fan = Face::of(&[], &ring).triangulation.triangles;
+    assert_eq!(fan.len(), 10);
+    assert!(fan.iter().all(|t| t[0] == 0));
+
+    let lattice: Vec<_> = (0..400).map(|i| GridPoint::new(i / 20, i % 20)).collect();
+    assert_eq!(
+        Face::of(&[], &lattice).triangulation.triangles.len(),
+        2 * 19 * 19
+    );
 }
 
 const SQUARE: [[i64; 2]; 4] = [[0, 0], [100, 0], [100, 100], [0, 100]];

@@ -1,0 +1,9 @@
+//! What the tests share: fixtures, and references that reach the answers by other roads than the library.
+
+pub(crate) mod kinks;
+pub(crate) mod obj_lite;
+pub(crate) mod path_tracer;
+pub(crate) mod reference;
+pub(crate) mod rng;
+pub(crate) mod scenes;
+pub(crate) mod tables;

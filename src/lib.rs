@@ -5,6 +5,7 @@ pub mod bad_input;
 pub mod direct;
 pub mod discontinuity;
 pub mod geom;
+pub mod io;
 pub mod lit_scene;
 pub mod mesh;
 pub mod quantity;

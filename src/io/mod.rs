@@ -1,0 +1,3 @@
+//! Scene files in, [`RawScene`](crate::scene::RawScene) out: metres, right-handed, y up, nothing repaired.
+
+pub mod builtin;

@@ -1,0 +1,147 @@
+//! Materials of an MTL file.
+//!
+//! Read here and not by `tobj`, whose MTL reader panics on a grey `Kd 0.5` (which the format allows) and cannot say on
+//! which line a number is wrong.
+
+use super::text::{Statement, decode, statements};
+use crate::bad_input::BadInput;
+use crate::io::default_material;
+use crate::quantity::{Radiance, Rgb};
+use crate::scene::Material;
+use crate::warning::Warning;
+
+/// A surface below this opacity counts as not there. Glass is written with `d` near 0, paint with `d 1`; half way
+/// separates the two, and nothing in between can be said without refraction.
+const SEE_THROUGH_BELOW: f64 = 0.5;
+
+/// A material and the line that begins it.
+#[derive(Debug)]
+pub(super) struct MtlMaterial {
+    pub(super) material: Material,
+    /// `file:line` of its `newmtl`.
+    pub(super) place: String,
+    has_kd: bool,
+    has_dissolve: bool,
+    textures: Vec<&'static str>,
+}
+
+/// All materials of the file `file`, in its order, with warnings about what they state and this reader does not use.
+pub(super) fn parse(
+    bytes: &[u8],
+    file: &str,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<MtlMaterial>, BadInput> {
+    let text = decode(bytes);
+    let mut materials: Vec<MtlMaterial> = Vec::new();
+    for statement in statements(&text) {
+        let place = format!("{file}:{}", statement.number);
+        if statement.keyword() == "newmtl" {
+            materials.push(MtlMaterial::new(statement.rest(), place));
+        } else if let Some(current) = materials.last_mut() {
+            current.apply(&statement, &place)?;
+        }
+    }
+    for material in &materials {
+        material.warn(warnings);
+    }
+    Ok(materials)
+}
+
+impl MtlMaterial {
+    fn new(name: &str, place: String) -> Self {
+        Self {
+            material: default_material(name, true),
+            place,
+            has_kd: false,
+            has_dissolve: false,
+            textures: Vec::new(),
+        }
+    }
+
+    /// A material that stands in for one that no library defines.
+    pub(super) fn made_up(material: Material, place: &str) -> Self {
+        Self {
+            material,
+            ..Self::new("", place.to_owned())
+        }
+    }
+
+    fn apply(&mut self, statement: &Statement<'_>, place: &str) -> Result<(), BadInput> {
+        match statement.keyword() {
+            "Kd" => {
+                self.material.reflectance = colour(statement, place)?;
+                self.has_kd = true;
+            }
+            "Ke" => self.material.emission = Radiance(colour(statement, place)?),
+            "d" => {
+                self.material.is_see_through = scalar(statement, place)? < SEE_THROUGH_BELOW;
+                self.has_dissolve = true;
+            }
+            // Some exporters write `d 1` and `Tr 1` for one opaque surface: `d`, which all agree on, wins.
+            "Tr" => {
+                let transparency = scalar(statement, place)?;
+                if !self.has_dissolve {
+                    self.material.is_see_through = transparency > 1.0 - SEE_THROUGH_BELOW;
+                }
+            }
+            "map_Kd" => self.textures.push("map_Kd"),
+            "map_Ke" => self.textures.push("map_Ke"),
+            "map_d" => self.textures.push("map_d"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn warn(&self, warnings: &mut Vec<Warning>) {
+        let name = &self.material.name;
+        if !self.has_kd {
+            warnings.push(Warning::new(
+                &self.place,
+                format!("material \"{name}\" states no Kd: reflectance 0.5 grey is used"),
+            ));
+        }
+        if !self.textures.is_empty() {
+            let textures = self.textures.join(", ");
+            warnings.push(Warning::new(
+                &self.place,
+                format!(
+                    "material \"{name}\": {textures} not read; the plain Kd, Ke and d are used"
+                ),
+            ));
+        }
+    }
+}
+
+/// Three channels, or one for all three (the format lets green and blue default to red).
+fn colour(statement: &Statement<'_>, place: &str) -> Result<Rgb, BadInput> {
+    match numbers(statement, place)?[..] {
+        [grey] => Ok(Rgb::grey(grey)),
+        [r, g, b] => Ok(Rgb::new(r, g, b)),
+        _ => Err(bad_value(statement, place)),
+    }
+}
+
+/// One number, after options such as `-halo`.
+fn scalar(statement: &Statement<'_>, place: &str) -> Result<f64, BadInput> {
+    match numbers(statement, place)?[..] {
+        [value] if !value.is_nan() => Ok(value),
+        _ => Err(bad_value(statement, place)),
+    }
+}
+
+fn numbers(statement: &Statement<'_>, place: &str) -> Result<Vec<f64>, BadInput> {
+    statement
+        .values()
+        .filter(|word| *word != "-halo")
+        .map(|word| word.parse().map_err(|_| bad_value(statement, place)))
+        .collect()
+}
+
+fn bad_value(statement: &Statement<'_>, place: &str) -> BadInput {
+    let keyword = statement.keyword();
+    BadInput::new(
+        place,
+        format!("{keyword} has the value \"{}\"", statement.rest()),
+        "write plain numbers: three (or one grey) after Kd and Ke, one after d and Tr",
+    )
+}

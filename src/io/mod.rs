@@ -4,6 +4,7 @@
 //! light silently (a reflectance above 1, a position that is not a number) is a [`BadInput`] that names the place.
 
 pub mod builtin;
+mod gltf_read;
 mod obj;
 mod units;
 
@@ -26,16 +27,17 @@ pub struct ReadSettings {
 /// Channels of the reflectance of a surface whose material the file does not state.
 const DEFAULT_REFLECTANCE: f64 = 0.5;
 
-/// The scene in the `.obj` file at `path`.
+/// The scene in the `.obj`, `.gltf` or `.glb` file at `path`.
 pub fn read_scene(path: &Path, settings: &ReadSettings) -> Result<RawScene, BadInput> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     let scene = match extension.to_ascii_lowercase().as_str() {
         "obj" => obj::read(path, settings)?,
+        "gltf" | "glb" => gltf_read::read(path, settings)?,
         _ => {
             return Err(BadInput::new(
                 place_of(path),
                 format!("unknown kind of scene file: extension \"{extension}\""),
-                "give a .obj file",
+                "give a .obj, .gltf or .glb file",
             ));
         }
     };

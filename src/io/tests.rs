@@ -1,5 +1,7 @@
 //! What both readers share, and every scene at hand.
 
+mod gltf_files;
+mod gltf_hostile;
 mod obj_files;
 
 use super::*;
@@ -99,7 +101,10 @@ fn every_scene_at_hand_has_polygons() {
         .filter_map(|folder| std::fs::read_dir(folder.ok()?.path()).ok())
         .flatten()
         .filter_map(|file| Some(file.ok()?.path()))
-        .filter(|file| file.extension().is_some_and(|e| e == "obj"))
+        .filter(|file| {
+            file.extension()
+                .is_some_and(|e| e == "obj" || e == "glb" || e == "gltf")
+        })
         .collect();
     files.sort();
     for file in files {

@@ -37,6 +37,12 @@ fn read_files(
     }
 }
 
+/// Replaces a file. Removed first, since some file systems wait for the disk when a file is cut to zero and written again.
+fn replace_file(path: &Path, content: &[u8]) {
+    let _ = std::fs::remove_file(path);
+    std::fs::write(path, content).unwrap();
+}
+
 /// Marsaglia's xorshift64: the same mutations every time.
 struct Random(u64);
 

@@ -322,7 +322,7 @@ fn mutated_text_never_panics() {
                     _ => bytes.truncate(at.max(1)),
                 }
             }
-            std::fs::write(directory.path().join(name), bytes).unwrap();
+            replace_file(&directory.path().join(name), &bytes);
         }
         if let Ok(scene) = read_scene(&directory.path().join("a.obj"), &ReadSettings::default()) {
             check_indices(&scene);

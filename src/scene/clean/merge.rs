@@ -13,7 +13,7 @@ const MAX_REFITS: usize = 4;
 /// Groups of pieces that lie in one plane, touch along edges, and share material, group and facing.
 ///
 /// Each group grows from the largest piece left, whose plane is the best known, across edges that exactly two pieces
-/// share. A candidate joins when all its corners are within `planarity` of that plane; its own normal then differs by at
+/// share, or at which only coplanar sheets meet. A candidate joins when all its corners are within `planarity` of that plane; its own normal then differs by at
 /// most 2 · planarity / height, so of the angle only the sign is left to test.
 pub(super) fn coplanar_groups(
     pieces: &[Piece],
@@ -26,8 +26,21 @@ pub(super) fn coplanar_groups(
         let area = |i: usize| newell[i].length_squared();
         area(b).total_cmp(&area(a)).then(a.cmp(&b))
     });
+    let are_coplanar = |along: &[Use]| {
+        let area = |u: &&Use| newell[u.piece].length_squared();
+        let largest = along.iter().max_by(|a, b| area(a).total_cmp(&area(b)));
+        let frame =
+            largest.and_then(|u| best_plane(newell[u.piece], pieces[u.piece].points(positions)));
+        frame.is_some_and(|frame| {
+            let plane = frame.plane();
+            along
+                .iter()
+                .flat_map(|u| pieces[u.piece].points(positions))
+                .all(|p| plane.distance(p).abs() <= planarity)
+        })
+    };
     let mut growth = Growth {
-        neighbours: Neighbours::new(pieces),
+        neighbours: Neighbours::new(pieces, are_coplanar, &newell),
         pieces,
         positions,
         newell,
@@ -107,30 +120,57 @@ impl Growth<'_> {
     }
 }
 
-/// For each piece, those across an edge with exactly two uses in opposite directions, of its material and group.
+/// For each piece, those that may continue it across an edge.
 struct Neighbours {
     start: Vec<usize>,
     items: Vec<usize>,
 }
 
+/// One piece along an edge.
+struct Use {
+    ends: [VertexId; 2],
+    piece: usize,
+    is_forward: bool,
+}
+
 impl Neighbours {
-    fn new(pieces: &[Piece]) -> Self {
-        let mut uses: Vec<(VertexId, VertexId, usize, bool)> = pieces
+    fn new(pieces: &[Piece], are_coplanar: impl Fn(&[Use]) -> bool, newell: &[DVec3]) -> Self {
+        let mut uses: Vec<Use> = pieces
             .iter()
             .enumerate()
-            .flat_map(|(i, p)| p.edges().map(move |(a, b)| (a.min(b), a.max(b), i, a < b)))
+            .flat_map(|(piece, p)| {
+                p.edges().map(move |(a, b)| Use {
+                    ends: [a.min(b), a.max(b)],
+                    piece,
+                    is_forward: a < b,
+                })
+            })
             .collect();
-        uses.sort_unstable();
+        uses.sort_unstable_by_key(|u| (u.ends, u.piece, u.is_forward));
         let mut pairs = Vec::new();
-        for edge in uses.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-            if let [e, f] = edge
-                && e.2 != f.2
-                && e.3 != f.3
-                && pieces[e.2].material == pieces[f.2].material
-                && pieces[e.2].group == pieces[f.2].group
-            {
-                pairs.push((e.2, f.2));
-                pairs.push((f.2, e.2));
+        for along in uses.chunk_by(|a, b| a.ends == b.ends) {
+            // Where a wall stands, its foot divides the floor; where more sheets lie in one plane, nothing stands.
+            if along.len() > 2 && !are_coplanar(along) {
+                continue;
+            }
+            let continues = |a: &Use, b: &Use| {
+                let (p, q) = (&pieces[a.piece], &pieces[b.piece]);
+                a.piece != b.piece
+                    && a.is_forward != b.is_forward
+                    && (p.material, p.group) == (q.material, q.group)
+                    && newell[a.piece].dot(newell[b.piece]) > 0.0
+            };
+            // A sheet goes on in one way or not at all: of two overlapping continuations neither is taken.
+            let only = |a: &Use| {
+                let mut others = along.iter().filter(|b| continues(a, b));
+                others.next().filter(|_| others.next().is_none())
+            };
+            for a in along {
+                if let Some(b) = only(a)
+                    && only(b).is_some()
+                {
+                    pairs.push((a.piece, b.piece));
+                }
             }
         }
         pairs.sort_unstable();

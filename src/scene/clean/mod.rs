@@ -98,6 +98,8 @@ pub fn clean(
     report.t_junctions = t_junctions.inserted;
     report.degenerate += t_junctions.collapsed;
     report.is_settled = t_junctions.is_settled;
+    // A corner that only one of two doubles had is now a corner of both.
+    report.duplicates += duplicates::drop_duplicates(&mut pieces, &raw.materials);
 
     let groups = merge::coplanar_groups(&pieces, &positions, tolerances.planarity);
     let mut built = face::build_faces(&pieces, &groups, &positions);
@@ -110,6 +112,7 @@ pub fn clean(
     if built.faces.is_empty() {
         return Err(select::nothing_left(raw, "every face is degenerate"));
     }
+    report.duplicate_faces = duplicates::drop_duplicate_faces(&mut built.faces, &raw.materials);
     report.straightened =
         straighten::straighten(&mut built.faces, &positions, tolerances.weld_distance);
     let (faces, vertices) = compact(built.faces, &positions);

@@ -35,6 +35,8 @@ pub struct CleanReport {
     pub pieces: usize,
     /// Sets of coplanar polygons left unmerged because they have no common outline.
     pub unmerged: usize,
+    /// Merged faces dropped because another one has the same outline.
+    pub duplicate_faces: usize,
     /// Vertices removed from the middle of straight edges.
     pub straightened: usize,
     /// Faces of the scene.
@@ -92,6 +94,12 @@ impl CleanReport {
             .filter(|&(count, _)| count > 0)
             .map(|(count, what)| format!("{count} of {} polygons {what}", self.polygons))
             .collect();
+        if self.duplicate_faces > 0 {
+            lines.push(format!(
+                "{} faces with the outline of another one, dropped",
+                self.duplicate_faces
+            ));
+        }
         if self.t_junctions > 0 {
             lines.push(format!(
                 "{} vertices in the middle of an edge, inserted there",

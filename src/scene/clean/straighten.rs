@@ -6,6 +6,7 @@ use super::face::face;
 use super::piece::Positions;
 use super::point_tree::PointTree;
 use crate::scene::{Face, VertexId};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Removes such vertices from the loops of all faces; returns how many.
@@ -86,7 +87,10 @@ fn removable(
             inner.iter().for_each(|v| is_removed[v.0 as usize] = true);
             if !inner.is_empty() {
                 let (a, b) = (span[0], span[span.len() - 1]);
-                new_edges.push((a.min(b), a.max(b), inner.to_vec()));
+                new_edges.push(NewEdge {
+                    ends: [a.min(b), a.max(b)],
+                    inner: inner.to_vec(),
+                });
             }
         }
     }
@@ -162,13 +166,8 @@ fn spans<'a>(
     let mut open = vec![chain];
     while let Some(span) = open.pop() {
         let (a, b) = (positions[span[0]], positions[span[span.len() - 1]]);
-        let d = b - a;
         // The ends of a ring coincide: the distance is then that from the point, and a ring is always cut.
-        let off = |v: VertexId| {
-            let p = positions[v] - a;
-            let t = (p.dot(d) / d.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (p - d * t).length()
-        };
+        let off = |v: VertexId| distance_to_segment(a, b, positions[v]);
         let farthest = (1..span.len() - 1).max_by(|&i, &j| {
             off(span[i])
                 .total_cmp(&off(span[j]))
@@ -185,52 +184,73 @@ fn spans<'a>(
     done
 }
 
+/// An edge that replaces a chain.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct NewEdge {
+    ends: [VertexId; 2],
+    inner: Vec<VertexId>,
+}
+
 /// Puts back the vertices of new edges that come too close to another vertex or that another edge coincides with.
 fn keep_where_in_conflict(
     links: &[Link],
-    mut new_edges: Vec<(VertexId, VertexId, Vec<VertexId>)>,
+    mut new_edges: Vec<NewEdge>,
     positions: &Positions,
     weld_distance: f64,
     is_removed: &mut [bool],
 ) {
     new_edges.sort_unstable();
-    let staying: Vec<VertexId> = positions
-        .iter()
-        .map(|(v, _)| v)
-        .filter(|v| !is_removed[v.0 as usize])
-        .collect();
-    let tree = PointTree::new(positions, staying);
-    let is_conflict: Vec<bool> = new_edges
-        .par_iter()
-        .enumerate()
-        .map(|(i, &(from, to, _))| {
-            let twin = |j: Option<usize>| {
-                j.and_then(|j| new_edges.get(j))
-                    .is_some_and(|e| (e.0, e.1) == (from, to))
-            };
-            let is_old = links
-                .binary_search_by_key(&[from, to], |link| link.ends)
-                .is_ok();
-            let mut meets_vertex = false;
-            tree.near_segment(positions[from], positions[to], weld_distance, &mut |v| {
-                meets_vertex |= v != from
-                    && v != to
-                    && distance_to_line(positions, from, to, v) <= weld_distance;
-            });
-            is_old || twin(i.checked_sub(1)) || twin(Some(i + 1)) || meets_vertex
-        })
-        .collect();
-    for ((_, _, inner), is_conflict) in new_edges.iter().zip(is_conflict) {
-        if is_conflict {
-            inner.iter().for_each(|v| is_removed[v.0 as usize] = false);
+    let mut is_used = vec![false; positions.len()];
+    for end in links.iter().flat_map(|link| link.ends) {
+        is_used[end.0 as usize] = true;
+    }
+    // What is put back may be in the way of another new edge: again, until nothing is.
+    loop {
+        let staying: Vec<VertexId> = positions
+            .iter()
+            .map(|(v, _)| v)
+            .filter(|v| is_used[v.0 as usize] && !is_removed[v.0 as usize])
+            .collect();
+        let tree = PointTree::new(positions, staying);
+        let is_twin = |i: Option<usize>, ends: [VertexId; 2]| {
+            i.and_then(|i| new_edges.get(i))
+                .is_some_and(|e| e.ends == ends)
+        };
+        let is_conflict: Vec<bool> = new_edges
+            .par_iter()
+            .enumerate()
+            .map(|(i, &NewEdge { ends, .. })| {
+                let [a, b] = ends.map(|v| positions[v]);
+                let mut meets_vertex = false;
+                tree.near_segment(a, b, weld_distance, &mut |v| {
+                    meets_vertex |= !ends.contains(&v)
+                        && distance_to_segment(a, b, positions[v]) <= weld_distance;
+                });
+                meets_vertex
+                    || is_twin(i.checked_sub(1), ends)
+                    || is_twin(Some(i + 1), ends)
+                    || links.binary_search_by_key(&ends, |link| link.ends).is_ok()
+            })
+            .collect();
+        if !is_conflict.contains(&true) {
+            return;
         }
+        let mut flags = is_conflict.into_iter();
+        new_edges.retain(|edge| {
+            let is_conflict = flags.next().expect("one flag an edge");
+            if is_conflict {
+                for v in &edge.inner {
+                    is_removed[v.0 as usize] = false;
+                }
+            }
+            !is_conflict
+        });
     }
 }
 
-fn distance_to_line(positions: &Positions, from: VertexId, to: VertexId, v: VertexId) -> f64 {
-    let a = positions[from];
-    (positions[to] - a)
-        .normalize()
-        .cross(positions[v] - a)
-        .length()
+/// Distance of `p` from the segment `a b`, whose ends may coincide.
+fn distance_to_segment(a: DVec3, b: DVec3, p: DVec3) -> f64 {
+    let (p, d) = (p - a, b - a);
+    let t = (p.dot(d) / d.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (p - d * t).length()
 }

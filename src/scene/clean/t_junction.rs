@@ -51,7 +51,9 @@ pub(super) fn insert_vertices(
         let before = pieces.len();
         pieces.retain(|p| p.shape(positions, weld_distance) == Shape::Sound);
         report.collapsed += before - pieces.len();
+        // A split edge can come back as part of a longer one: it is not done with.
         tested = edges;
+        tested.retain(|e| splits.binary_search_by_key(e, |s| s.edge).is_err());
     }
     report
 }

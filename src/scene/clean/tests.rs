@@ -6,6 +6,7 @@ use crate::scene::RawPolygon;
 use std::f64::consts::FRAC_PI_3;
 
 mod files;
+mod fuzz;
 mod large;
 
 const GREY: u32 = 0;
@@ -73,7 +74,12 @@ fn assert_separated(scene: &Scene) {
             let (p, d) = (scene.vertices[v] - a, b - a);
             let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
             let is_off = (p - d * t).length() > reach;
-            assert!(edge.ends.contains(&v) || is_off, "vertex {v}, edge {id}");
+            assert!(
+                edge.ends.contains(&v) || is_off,
+                "vertex {v}, edge {id}: {} of {reach} ends {:?} t {t}",
+                (p - d * t).length(),
+                edge.ends
+            );
         });
     }
 }
@@ -347,6 +353,24 @@ fn of_doubled_polygons_one_stays() {
     assert_eq!(cleaned(&sheet).1.faces, 2);
     let lamp = soup(&triangle, &[(&[0, 1, 2], LAMP), (&[2, 1, 0], LAMP)]);
     assert_eq!(cleaned(&lamp).1.emitters, 2);
+}
+
+#[test]
+fn of_faces_with_the_same_outline_one_stays() {
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    let polygons: [(&[u32], u32); 4] = [
+        (&[0, 1, 2], GREY),
+        (&[0, 2, 3], GREY),
+        (&[3, 1, 0], GREY),
+        (&[3, 2, 1], GREY),
+    ];
+    let (_, report) = cleaned(&soup(&square, &polygons));
+    assert_eq!((report.duplicate_faces, report.faces), (1, 1));
 }
 
 #[test]

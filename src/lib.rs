@@ -2,6 +2,7 @@
 
 pub mod adapt;
 pub mod bad_input;
+pub mod compare;
 pub mod direct;
 pub mod discontinuity;
 pub mod geom;
@@ -10,6 +11,7 @@ pub mod lit_scene;
 pub mod mesh;
 pub mod quantity;
 pub mod radiosity;
+pub mod render;
 pub mod scene;
 pub mod visibility;
 pub mod warning;

@@ -111,7 +111,7 @@ fn land(
         cuts.dedup();
         // One face may form the envelope over many elementary intervals: they are one segment.
         let mut open: Option<(FaceId, f64, f64)> = None;
-        let mut emit = |piece: Option<(FaceId, f64, f64)>, out: &mut Vec<Landing>| {
+        let emit = |piece: Option<(FaceId, f64, f64)>, out: &mut Vec<Landing>| {
             if let Some((face, a, b)) = piece {
                 out.extend(landing(scene, face, ray(a), ray(b)));
             }

@@ -1,13 +1,26 @@
-//! Scene files in, [`RawScene`] out: metres, right-handed, y up, nothing repaired.
+//! Files: scenes in, lit scenes and pictures out.
 //!
+//! [`read_scene`] makes a [`RawScene`] of a scene file: metres, right-handed, y up, nothing repaired.
 //! The readers drop what cannot carry light (points, lines) and say so in [`RawScene::warnings`]; what would change the
 //! light silently (a reflectance above 1, a position that is not a number) is a [`BadInput`] that names the place.
 
+mod atomic;
 pub mod builtin;
+mod glb;
+mod glb_data;
+mod gltf_lines;
 mod gltf_read;
+mod gltf_write;
+mod lit_read;
 mod obj;
+mod png;
 mod units;
 
+pub use atomic::write_atomically;
+pub use gltf_lines::{LineSet, write_lines_glb};
+pub use gltf_write::write_glb;
+pub use lit_read::read_lit;
+pub use png::{read_png, write_png};
 pub use units::{Unit, UpAxis};
 
 use crate::bad_input::BadInput;

@@ -3,9 +3,11 @@
 mod blockers;
 mod box_tree;
 mod cone;
+mod ray;
 mod region;
 
 pub use blockers::{Blockers, Part};
 pub use box_tree::BoxTree;
 pub use cone::{Scratch, Target, Viewpoint};
+pub use ray::{Hit, RayCaster};
 pub use region::Region;

@@ -1,0 +1,232 @@
+//! A binary glTF under construction: the JSON tree and the one buffer behind it, in the order in which things are added.
+
+use gltf_json as gj;
+use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf_json::validation::Checked::Valid;
+use gltf_json::validation::USize64;
+use std::borrow::Cow;
+
+/// The largest number of vertices that 16-bit indices can name: 65535 itself is reserved by glTF.
+const MAX_SHORT_VERTICES: usize = 65535;
+
+/// How a material is drawn. None is shaded by the viewer: the light is in the vertices.
+pub(super) struct Unlit {
+    pub(super) name: String,
+    /// Linear base colour and opacity, 0…1.
+    pub(super) base_colour: [f32; 4],
+}
+
+/// The file so far.
+pub(super) struct GlbBuilder {
+    root: gj::Root,
+    buffer: Vec<u8>,
+}
+
+impl GlbBuilder {
+    pub(super) fn new() -> Self {
+        let generator = format!("umbrage {}", env!("CARGO_PKG_VERSION"));
+        Self {
+            root: gj::Root {
+                asset: gj::Asset {
+                    generator: Some(generator),
+                    ..Default::default()
+                },
+                ..Default::default()
+            },
+            buffer: Vec::new(),
+        }
+    }
+
+    pub(super) fn node(&mut self, node: gj::Node) -> gj::Index<gj::Node> {
+        self.root.push(node)
+    }
+
+    pub(super) fn camera(&mut self, camera: gj::Camera) -> gj::Index<gj::Camera> {
+        self.root.push(camera)
+    }
+
+    /// A mesh and the node that shows it, both called `name`.
+    pub(super) fn mesh_node(
+        &mut self,
+        name: &str,
+        primitives: Vec<gj::mesh::Primitive>,
+    ) -> gj::Index<gj::Node> {
+        let mesh = self.root.push(gj::Mesh {
+            extensions: None,
+            extras: None,
+            name: Some(name.to_owned()),
+            primitives,
+            weights: None,
+        });
+        self.node(gj::Node {
+            mesh: Some(mesh),
+            name: Some(name.to_owned()),
+            ..Default::default()
+        })
+    }
+
+    /// An opaque or blended material that is seen from its front only.
+    pub(super) fn material(&mut self, unlit: Unlit) -> gj::Index<gj::Material> {
+        const EXTENSION: &str = "KHR_materials_unlit";
+        if self.root.extensions_used.is_empty() {
+            self.root.extensions_used.push(EXTENSION.to_owned());
+        }
+        let alpha_mode = if unlit.base_colour[3] < 1.0 {
+            gj::material::AlphaMode::Blend
+        } else {
+            gj::material::AlphaMode::Opaque
+        };
+        // Viewers without the extension fall back to a rough dielectric, the nearest they have.
+        self.root.push(gj::Material {
+            name: Some(unlit.name),
+            alpha_mode: Valid(alpha_mode),
+            pbr_metallic_roughness: gj::material::PbrMetallicRoughness {
+                base_color_factor: gj::material::PbrBaseColorFactor(unlit.base_colour),
+                metallic_factor: gj::material::StrengthFactor(0.0),
+                ..Default::default()
+            },
+            extensions: Some(gj::extensions::material::Material {
+                unlit: Some(gj::extensions::material::Unlit {}),
+                ..Default::default()
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// Positions, with the bounds that glTF wants for them.
+    pub(super) fn positions(&mut self, values: &[[f32; 3]]) -> gj::Index<gj::Accessor> {
+        let bound = |pick: fn(f32, f32) -> f32| {
+            let start = values.first().copied().unwrap_or_default();
+            let bound = values.iter().fold(start, |bound, v| {
+                std::array::from_fn(|axis| pick(bound[axis], v[axis]))
+            });
+            Some(gj::Value::from(bound.to_vec()))
+        };
+        let (min, max) = (bound(f32::min), bound(f32::max));
+        self.vectors_with(values, min, max)
+    }
+
+    /// One float VEC3 for each vertex.
+    pub(super) fn vectors(&mut self, values: &[[f32; 3]]) -> gj::Index<gj::Accessor> {
+        self.vectors_with(values, None, None)
+    }
+
+    fn vectors_with(
+        &mut self,
+        values: &[[f32; 3]],
+        min: Option<gj::Value>,
+        max: Option<gj::Value>,
+    ) -> gj::Index<gj::Accessor> {
+        let start = self.buffer.len();
+        for value in values.as_flattened() {
+            self.buffer.extend_from_slice(&value.to_le_bytes());
+        }
+        let view = self.view(start, gj::buffer::Target::ArrayBuffer);
+        self.accessor(view, values.len(), ComponentType::F32, Type::Vec3, min, max)
+    }
+
+    /// Indices in the narrowest type that every viewer reads: 16 bits where they suffice.
+    pub(super) fn indices(&mut self, values: &[u32], vertices: usize) -> gj::Index<gj::Accessor> {
+        let start = self.buffer.len();
+        let component = if vertices <= MAX_SHORT_VERTICES {
+            for &value in values {
+                let short = u16::try_from(value).expect("indices name vertices of the mesh");
+                self.buffer.extend_from_slice(&short.to_le_bytes());
+            }
+            ComponentType::U16
+        } else {
+            for value in values {
+                self.buffer.extend_from_slice(&value.to_le_bytes());
+            }
+            ComponentType::U32
+        };
+        let view = self.view(start, gj::buffer::Target::ElementArrayBuffer);
+        self.accessor(view, values.len(), component, Type::Scalar, None, None)
+    }
+
+    /// The bytes since `start` as a view; pads so that the next one starts at a multiple of four.
+    fn view(&mut self, start: usize, target: gj::buffer::Target) -> gj::Index<gj::buffer::View> {
+        let end = self.buffer.len();
+        self.buffer.resize(end.next_multiple_of(4), 0);
+        self.root.push(gj::buffer::View {
+            buffer: gj::Index::new(0),
+            byte_length: USize64::from(end - start),
+            byte_offset: Some(USize64::from(start)),
+            byte_stride: None,
+            name: None,
+            target: Some(Valid(target)),
+            extensions: None,
+            extras: None,
+        })
+    }
+
+    fn accessor(
+        &mut self,
+        view: gj::Index<gj::buffer::View>,
+        count: usize,
+        component: ComponentType,
+        type_: Type,
+        min: Option<gj::Value>,
+        max: Option<gj::Value>,
+    ) -> gj::Index<gj::Accessor> {
+        self.root.push(gj::Accessor {
+            buffer_view: Some(view),
+            byte_offset: None,
+            count: USize64::from(count),
+            component_type: Valid(GenericComponentType(component)),
+            extensions: None,
+            extras: None,
+            type_: Valid(type_),
+            min,
+            max,
+            name: None,
+            normalized: false,
+            sparse: None,
+        })
+    }
+
+    /// The finished file, with one scene below `root`.
+    ///
+    /// # Panics
+    /// When the file would pass 4 GiB, more than the format can say: some 80 million vertices.
+    pub(super) fn finish(
+        mut self,
+        root: gj::Index<gj::Node>,
+        extras: Option<&serde_json::Value>,
+    ) -> Vec<u8> {
+        let extras = extras.map(|value| {
+            serde_json::value::to_raw_value(value).expect("a JSON value has a JSON text")
+        });
+        let scene = self.root.push(gj::Scene {
+            extensions: None,
+            extras,
+            name: None,
+            nodes: vec![root],
+        });
+        self.root.scene = Some(scene);
+        // glTF has no empty buffers: a file without meshes has none.
+        if !self.buffer.is_empty() {
+            self.root.push(gj::Buffer {
+                byte_length: USize64::from(self.buffer.len()),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: None,
+            });
+        }
+        let json = gj::serialize::to_vec(&self.root).expect("the tree holds finite numbers only");
+        let total = json.len() as u64 + self.buffer.len() as u64 + 64;
+        u32::try_from(total).expect("a binary glTF is smaller than 4 GiB");
+        gltf::binary::Glb {
+            header: gltf::binary::Header {
+                magic: *b"glTF",
+                version: 2,
+                length: 0, // filled in by `to_vec`
+            },
+            json: Cow::Owned(json),
+            bin: (!self.buffer.is_empty()).then_some(Cow::Owned(self.buffer)),
+        }
+        .to_vec()
+        .expect("writing to memory cannot fail")
+    }
+}

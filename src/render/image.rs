@@ -1,0 +1,42 @@
+//! Pixels: linear while light is added up, 8-bit sRGB for files and comparison.
+
+use super::srgb_encode;
+use crate::quantity::Rgb;
+
+/// A picture in linear light, rows from top to bottom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Width, pixels.
+    pub width: u32,
+    /// Height, pixels.
+    pub height: u32,
+    /// `width × height` linear pixels.
+    pub pixels: Vec<Rgb>,
+}
+
+/// A picture in 8-bit sRGB, rows from top to bottom.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width, pixels.
+    pub width: u32,
+    /// Height, pixels.
+    pub height: u32,
+    /// `width × height` pixels.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Image {
+    /// What a screen shows of it: clamped to 0…1, sRGB, rounded to the nearest step.
+    pub fn to_srgb(&self) -> Picture {
+        let encode = |linear: f64| (srgb_encode(linear) * 255.0).round() as u8;
+        Picture {
+            width: self.width,
+            height: self.height,
+            pixels: self
+                .pixels
+                .iter()
+                .map(|pixel| pixel.to_array().map(encode))
+                .collect(),
+        }
+    }
+}

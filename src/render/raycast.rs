@@ -1,0 +1,282 @@
+//! The flat view of a lit model: one fixed pattern of rays a pixel, nothing random.
+
+use super::{Image, LitModel, LitPart};
+use crate::bad_input::BadInput;
+use crate::quantity::Rgb;
+use crate::scene::Camera;
+use crate::visibility::{Hit, RayCaster};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Largest width or height of a picture, pixels: what PNG readers and graphics cards agree on.
+pub const MAX_SIZE: u32 = 16384;
+
+/// Most rays along one side of a pixel: 256 rays a pixel tell all 8-bit steps of an edge apart.
+pub const MAX_SUPERSAMPLE: u32 = 16;
+
+/// How a picture is taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Width, pixels, 1…[`MAX_SIZE`].
+    pub width: u32,
+    /// Height, pixels, 1…[`MAX_SIZE`].
+    pub height: u32,
+    /// The camera. Its vertical field of view fills the height; its aspect gives way to that of the picture.
+    pub camera: Camera,
+    /// Rays along each side of a pixel, 1…[`MAX_SUPERSAMPLE`]: the pixel is the mean over a regular `n × n` grid.
+    pub supersample: u32,
+    /// Linear colour where no surface is.
+    pub background: Rgb,
+}
+
+impl RenderSettings {
+    /// Settings for `camera` with 3 × 3 rays a pixel over black.
+    pub fn new(width: u32, height: u32, camera: Camera) -> Self {
+        Self {
+            width,
+            height,
+            camera,
+            supersample: 3,
+            background: Rgb::BLACK,
+        }
+    }
+
+    fn check(&self) -> Result<(), BadInput> {
+        let size = 1..=MAX_SIZE;
+        if !(size.contains(&self.width) && size.contains(&self.height)) {
+            return Err(BadInput::new(
+                "picture",
+                format!("{} × {} pixels are asked for", self.width, self.height),
+                format!("choose 1 to {MAX_SIZE} for each"),
+            ));
+        }
+        if !(1..=MAX_SUPERSAMPLE).contains(&self.supersample) {
+            return Err(BadInput::new(
+                "picture",
+                format!(
+                    "{} rays along each side of a pixel are asked for",
+                    self.supersample
+                ),
+                format!("choose 1 to {MAX_SUPERSAMPLE}"),
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// The picture of `model`, linear: `baseColor × COLOR_0` of the nearest front, interpolated over its triangle.
+///
+/// Backs of single-sided materials are looked through. The same input gives the same pixels on any number of threads.
+pub fn render(model: &LitModel, settings: &RenderSettings) -> Result<Image, BadInput> {
+    settings.check()?;
+    let view = View::new(model, settings);
+    let rows: Vec<Vec<Rgb>> = (0..settings.height)
+        .into_par_iter()
+        .map(|y| (0..settings.width).map(|x| view.pixel(x, y)).collect())
+        .collect();
+    Ok(Image {
+        width: settings.width,
+        height: settings.height,
+        pixels: rows.concat(),
+    })
+}
+
+/// A model ready to be looked at.
+struct View<'a> {
+    settings: &'a RenderSettings,
+    caster: RayCaster,
+    /// Part and corners of each triangle of the caster.
+    triangles: Vec<(&'a LitPart, [u32; 3])>,
+    /// Half the width and half the height of the picture at distance 1, as vectors.
+    half_right: DVec3,
+    half_up: DVec3,
+}
+
+impl<'a> View<'a> {
+    fn new(model: &'a LitModel, settings: &'a RenderSettings) -> Self {
+        let triangles: Vec<_> = model
+            .parts
+            .iter()
+            .flat_map(|part| part.triangles.iter().map(move |&corners| (part, corners)))
+            .collect();
+        let places: Vec<_> = triangles
+            .iter()
+            .map(|(part, corners)| corners.map(|i| part.positions[i as usize]))
+            .collect();
+        let camera = &settings.camera;
+        let slope = (camera.vertical_fov_rad / 2.0).tan();
+        let aspect = f64::from(settings.width) / f64::from(settings.height);
+        Self {
+            settings,
+            caster: RayCaster::new(&places),
+            triangles,
+            half_right: camera.forward.cross(camera.up) * (slope * aspect),
+            half_up: camera.up * slope,
+        }
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> Rgb {
+        let n = self.settings.supersample;
+        let mut sum = Rgb::BLACK;
+        for row in 0..n {
+            for column in 0..n {
+                let across = grid(x, column, n, self.settings.width);
+                let down = grid(y, row, n, self.settings.height);
+                sum += self.ray(across, -down);
+            }
+        }
+        sum * (1.0 / f64::from(n * n))
+    }
+
+    /// The colour in direction (`right`, `up`), each −1…1 within the picture.
+    fn ray(&self, right: f64, up: f64) -> Rgb {
+        let camera = &self.settings.camera;
+        let dir = camera.forward + self.half_right * right + self.half_up * up;
+        let is_drawn = |hit: &Hit| {
+            let (part, _) = self.triangles[hit.triangle as usize];
+            hit.is_front || part.is_double_sided
+        };
+        self.caster
+            .nearest_where(camera.eye, dir, 0.0, f64::INFINITY, is_drawn)
+            .map_or(self.settings.background, |hit| self.colour(&hit))
+    }
+
+    fn colour(&self, hit: &Hit) -> Rgb {
+        let (part, corners) = self.triangles[hit.triangle as usize];
+        let [a, b, c] = corners.map(|i| part.colours[i as usize]);
+        (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v) * part.base_colour
+    }
+}
+
+/// Where sample `part` of `parts` in pixel `index` of `count` lies, from −1 at the first edge to 1 at the last.
+fn grid(index: u32, part: u32, parts: u32, count: u32) -> f64 {
+    let pixels = f64::from(index) + (f64::from(part) + 0.5) / f64::from(parts);
+    2.0 * pixels / f64::from(count) - 1.0
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may panic")]
+mod tests {
+    use super::*;
+    use crate::render::{CameraChoice, choose_camera};
+
+    /// A quad 2 × 2 at height `z`, seen from +z, red on the left to blue on the right.
+    fn quad(z: f64) -> LitPart {
+        let (red, blue) = (Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0));
+        let at = |x, y| DVec3::new(x, y, z);
+        LitPart {
+            base_colour: Rgb::grey(0.5),
+            positions: vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)],
+            normals: vec![DVec3::Z; 4],
+            colours: vec![red, blue, blue, red],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        }
+    }
+
+    fn picture(parts: Vec<LitPart>, eye: DVec3, size: [u32; 2]) -> Image {
+        let model = LitModel {
+            parts,
+            ..Default::default()
+        };
+        // At distance 2 the half-angle with tangent 1/2 sees exactly the quad.
+        let look = CameraChoice::LookAt {
+            eye,
+            target: DVec3::ZERO,
+            up: None,
+            vertical_fov_rad: Some(2.0 * 0.5f64.atan()),
+        };
+        let camera = choose_camera(&look, &model, 1.0).unwrap();
+        render(&model, &RenderSettings::new(size[0], size[1], camera)).unwrap()
+    }
+
+    #[test]
+    fn a_quad_that_fills_the_picture_shows_its_colours_where_they_are() {
+        let image = picture(vec![quad(0.0)], DVec3::Z * 2.0, [8, 4]);
+        for (i, pixel) in image.pixels.iter().enumerate() {
+            // Twice as wide as high: the quad fills the middle half of each row.
+            let x = i % 8;
+            let right = (x as f64 - 1.5) / 4.0;
+            let expected = if (2..6).contains(&x) {
+                DVec3::new(1.0 - right, 0.0, right) * 0.5
+            } else {
+                DVec3::ZERO
+            };
+            assert!(pixel.0.distance(expected) < 1e-12, "{x}: {pixel:?}");
+        }
+        // sRGB of 0.4375, 0 and 0.0625.
+        assert_eq!(image.to_srgb().pixels[2], [177, 0, 71]);
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing() {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let take = || picture(vec![quad(0.0)], DVec3::new(0.3, 0.7, 2.0), [31, 17]);
+            pool.unwrap().install(take)
+        };
+        assert_eq!(on(1), on(4));
+    }
+
+    #[test]
+    fn up_is_up() {
+        let mut part = quad(0.0);
+        part.colours = vec![Rgb::BLACK, Rgb::BLACK, Rgb::grey(1.0), Rgb::grey(1.0)];
+        let image = picture(vec![part], DVec3::Z * 2.0, [1, 2]);
+        assert!(image.pixels[0].mean() > image.pixels[1].mean());
+    }
+
+    #[test]
+    fn backs_are_looked_through_unless_double_sided() {
+        let behind = |is_double_sided| {
+            let mut near = quad(1.0);
+            near.base_colour = Rgb::BLACK;
+            near.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            near.is_double_sided = is_double_sided;
+            picture(vec![near, quad(0.0)], DVec3::Z * 2.0, [1, 1]).pixels[0]
+        };
+        assert!(behind(true).is_black());
+        assert!((behind(false).mean() - 0.5 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_sides_in_one_place_show_the_one_that_faces_the_camera() {
+        let mut back = quad(0.0);
+        back.base_colour = Rgb::BLACK;
+        back.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let parts = vec![back, quad(0.0)];
+        let from_front = picture(parts.clone(), DVec3::Z * 2.0, [1, 1]);
+        let from_back = picture(parts, DVec3::Z * -2.0, [1, 1]);
+        assert!(!from_front.pixels[0].is_black());
+        assert!(from_back.pixels[0].is_black());
+    }
+
+    #[test]
+    fn sizes_that_no_file_can_hold_are_refused() {
+        let camera = choose_camera(
+            &CameraChoice::LookAt {
+                eye: DVec3::Z,
+                target: DVec3::ZERO,
+                up: None,
+                vertical_fov_rad: None,
+            },
+            &LitModel::default(),
+            1.0,
+        )
+        .unwrap();
+        let size = |width, height, supersample| RenderSettings {
+            supersample,
+            ..RenderSettings::new(width, height, camera.clone())
+        };
+        for bad in [
+            size(0, 4, 1),
+            size(4, 20000, 1),
+            size(4, 4, 0),
+            size(4, 4, 17),
+        ] {
+            assert!(render(&LitModel::default(), &bad).is_err());
+        }
+        let empty = render(&LitModel::default(), &size(2, 3, 1)).unwrap();
+        assert_eq!(empty.pixels, vec![Rgb::BLACK; 6]);
+    }
+}

@@ -1,8 +1,9 @@
 //! One side of one face while its display mesh grows.
 
+use super::Illumination;
 use super::error::ElementError;
 use crate::direct::DirectLight;
-use crate::discontinuity::{Discontinuity, FaceLines};
+use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh, barycentric};
 use crate::quantity::Irradiance;
 use crate::scene::{FaceId, FaceSide, Scene};
@@ -22,14 +23,21 @@ const BREAK_SHARE: f64 = 0.25;
 const SMALLEST_EDGE_PX: f64 = 64.0;
 
 /// The display mesh of one side of a face with its direct light.
-pub struct Receiver<'a> {
+pub struct Receiver {
     /// Geometry that stays.
     pub domain: FaceDomain,
     /// The mesh of the last update.
     pub mesh: ReceiverMesh,
     /// Direct irradiance at the sites of `mesh`, W/m².
     pub direct: Vec<Irradiance>,
-    candidates: &'a [Discontinuity],
+    /// Indirect irradiance at the sites of `mesh`, W/m².
+    pub indirect: Vec<Irradiance>,
+    /// Its face in the indirect field, if it has one.
+    pub solve_face: Option<usize>,
+    /// The lines found on it.
+    pub lines: FaceLines,
+    /// Whether any light reaches it; the others keep their first mesh and stay black.
+    pub is_lit: bool,
     kept: Vec<bool>,
     /// Measured break of the kept candidates, W/m².
     breaks: Vec<f64>,
@@ -45,13 +53,13 @@ pub struct Receiver<'a> {
     scratch: Scratch,
 }
 
-impl<'a> Receiver<'a> {
+impl Receiver {
     /// A receiver with its starting points `spacing` metres apart.
     pub fn new(
         scene: &Scene,
         face: FaceId,
         side: FaceSide,
-        lines: &'a FaceLines,
+        lines: FaceLines,
         spacing: f64,
     ) -> Self {
         let domain = FaceDomain::new(
@@ -67,9 +75,12 @@ impl<'a> Receiver<'a> {
             domain,
             mesh: ReceiverMesh::default(),
             direct: Vec::new(),
-            candidates: &lines.candidates,
+            indirect: Vec::new(),
+            solve_face: None,
+            is_lit: true,
             kept: vec![false; lines.candidates.len()],
             breaks: vec![0.0; lines.candidates.len()],
+            lines,
             points,
             errors: Vec::new(),
             values: HashMap::new(),
@@ -100,12 +111,12 @@ impl<'a> Receiver<'a> {
             .sum()
     }
 
-    /// ∫ E dA of the direct light over the elements, W.
-    pub fn direct_power(&self) -> Irradiance {
+    /// ∫ E dA over the elements, W.
+    pub fn power(&self) -> Irradiance {
         let mut sum = Irradiance::ZERO;
         for (e, sites) in self.mesh.sites.iter().enumerate() {
             for &s in sites {
-                sum += self.direct[s as usize] * (self.mesh.area(e) / 3.0);
+                sum += self.site_total(s as usize) * (self.mesh.area(e) / 3.0);
             }
         }
         sum
@@ -134,25 +145,52 @@ impl<'a> Receiver<'a> {
         longest > SMALLEST_EDGE_PX * self.domain.grid.pixel_size()
     }
 
+    /// A viewpoint on this side at frame coordinates `p`.
+    pub fn view(&self, p: DVec2) -> Viewpoint {
+        Viewpoint::new(self.domain.frame.to_space(p), self.domain.normal)
+    }
+
     /// Exact direct irradiance at a point of the plane.
-    pub fn exact(&mut self, light: &DirectLight, p: DVec2) -> Irradiance {
+    fn exact_direct(&mut self, light: &DirectLight, p: DVec2) -> Irradiance {
         self.evaluations += 1;
-        let view = Viewpoint::new(self.domain.frame.to_space(p), self.domain.normal);
+        let view = self.view(p);
         light.irradiance(&view, &mut self.scratch)
     }
 
-    /// As [`Receiver::exact`], remembered for the vertex or midpoint `key` of the doubled grid.
-    fn exact_at(&mut self, light: &DirectLight, key: (i64, i64), p: DVec2) -> Irradiance {
+    /// As [`Receiver::exact_direct`], remembered for the vertex or midpoint `key` of the doubled grid.
+    fn direct_at(&mut self, light: &DirectLight, key: (i64, i64), p: DVec2) -> Irradiance {
         if let Some(&value) = self.values.get(&key) {
             return value;
         }
-        let value = self.exact(light, p);
+        let value = self.exact_direct(light, p);
         self.values.insert(key, value);
         value
     }
 
-    /// Meshes anew if anything was added, and evaluates what is new.
-    pub(super) fn update(&mut self, light: &DirectLight, target: f64) -> Result<(), MeshError> {
+    /// Indirect irradiance at a point of the plane.
+    fn indirect_at(&self, light: &Illumination, p: DVec2) -> Irradiance {
+        match (light.indirect, self.solve_face) {
+            (Some(field), Some(f)) => field.at(f, p),
+            _ => Irradiance::ZERO,
+        }
+    }
+
+    /// Direct and indirect irradiance at a point of the plane.
+    pub fn total(&self, light: &Illumination, p: DVec2) -> Irradiance {
+        let direct = light
+            .direct
+            .irradiance(&self.view(p), &mut Scratch::default());
+        direct + self.indirect_at(light, p)
+    }
+
+    /// Forgets what was known of the errors: the indirect light has changed.
+    pub fn relight(&mut self) {
+        self.known.clear();
+        self.is_stale = true;
+    }
+
+    /// Meshes anew if anything was added, and evaluates the light at what is new.
+    pub(super) fn update_mesh(&mut self, light: &Illumination) -> Result<(), MeshError> {
         if !std::mem::take(&mut self.is_stale) {
             return Ok(());
         }
@@ -161,18 +199,39 @@ impl<'a> Receiver<'a> {
             .map(|i| i as u32)
             .collect();
         self.mesh = self.domain.mesh(&kept, &self.points)?;
+        self.errors.clear();
+        if !self.is_lit {
+            self.direct = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
+            self.indirect = self.direct.clone();
+            return Ok(());
+        }
         let mesh = std::mem::take(&mut self.mesh);
         self.direct = (0..mesh.site_vertices.len())
             .map(|s| {
                 let p = mesh.site_points[s];
                 if mesh.is_limit[s] {
-                    self.exact(light, p)
+                    self.exact_direct(light.direct, p)
                 } else {
                     let g = mesh.vertices[mesh.site_vertices[s] as usize];
-                    self.exact_at(light, (2 * g.x, 2 * g.y), p)
+                    self.direct_at(light.direct, (2 * g.x, 2 * g.y), p)
                 }
             })
             .collect();
+        self.indirect = mesh
+            .site_points
+            .iter()
+            .map(|&p| self.indirect_at(light, p))
+            .collect();
+        self.mesh = mesh;
+        Ok(())
+    }
+
+    /// Measures the interpolation errors of elements that are new.
+    pub(super) fn update_errors(&mut self, light: &Illumination, target: f64) {
+        if !self.is_lit || !self.errors.is_empty() {
+            return;
+        }
+        let mesh = std::mem::take(&mut self.mesh);
         let mut known = HashMap::with_capacity(mesh.elements.len());
         self.errors = (0..mesh.elements.len())
             .map(|e| {
@@ -187,18 +246,27 @@ impl<'a> Receiver<'a> {
             .collect();
         self.known = known;
         self.mesh = mesh;
-        Ok(())
+    }
+
+    /// Irradiance at site `s`, W/m².
+    pub fn site_total(&self, s: usize) -> Irradiance {
+        self.direct[s] + self.indirect[s]
+    }
+
+    /// Linear interpolation over element `e` at barycentric coordinates `weights`: what a viewer will show, W/m².
+    pub fn shown(&self, e: usize, weights: [f64; 3]) -> Irradiance {
+        self.interpolate(&self.mesh, e, weights)
     }
 
     /// Linear interpolation over element `e`.
     fn interpolate(&self, mesh: &ReceiverMesh, e: usize, weights: [f64; 3]) -> Irradiance {
-        let [a, b, c] = mesh.sites[e].map(|s| self.direct[s as usize]);
+        let [a, b, c] = mesh.sites[e].map(|s| self.site_total(s as usize));
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
     fn measure(
         &mut self,
-        light: &DirectLight,
+        light: &Illumination,
         mesh: &ReceiverMesh,
         e: usize,
         target: f64,
@@ -210,16 +278,19 @@ impl<'a> Receiver<'a> {
             let j = (k + 1) % 3;
             let middle = p[k].midpoint(p[j]);
             let exact = if mesh.is_barrier(e, k) {
-                self.exact(light, mesh.inset(e, middle, self.weld_distance))
+                let inside = mesh.inset(e, middle, self.weld_distance);
+                self.exact_direct(light.direct, inside) + self.indirect_at(light, inside)
             } else {
-                self.exact_at(light, (g[k].x + g[j].x, g[k].y + g[j].y), middle)
+                let key = (g[k].x + g[j].x, g[k].y + g[j].y);
+                self.direct_at(light.direct, key, middle) + self.indirect_at(light, middle)
             };
             let mut weights = [0.5; 3];
             weights[(k + 2) % 3] = 0.0;
             edges[k] = (exact - self.interpolate(mesh, e, weights)).0.mean_square();
         }
         let third = 1.0 / 3.0;
-        let centre = self.exact(light, mesh.centre(e));
+        let middle = mesh.centre(e);
+        let centre = self.exact_direct(light.direct, middle) + self.indirect_at(light, middle);
         let centre = (centre - self.interpolate(mesh, e, [third; 3]))
             .0
             .mean_square();
@@ -227,7 +298,7 @@ impl<'a> Receiver<'a> {
         for i in 0..self.kept.len() {
             if let Some([a, b]) = self.open_line_in(i, p, target) {
                 let q = a.midpoint(b);
-                let exact = self.exact(light, q);
+                let exact = self.exact_direct(light.direct, q) + self.indirect_at(light, q);
                 let at_line = self.interpolate(mesh, e, barycentric(p, q));
                 line = line.max((exact - at_line).0.mean_square());
             }
@@ -237,14 +308,17 @@ impl<'a> Receiver<'a> {
 
     /// The stretch inside triangle `p` of a candidate that is not yet kept and could matter.
     fn open_line_in(&self, i: usize, p: [DVec2; 3], target: f64) -> Option<[DVec2; 2]> {
-        if self.kept[i] || self.candidates[i].jump < JUMP_SHARE * target {
+        if self.kept[i] || self.lines.candidates[i].jump < JUMP_SHARE * target {
             return None;
         }
         clip_to_triangle(self.domain.line(i), p)
     }
 
     /// Adds lines or points to every element whose squared error is at least `limit`.
-    pub(super) fn refine(&mut self, light: &DirectLight, limit: f64, target: f64) {
+    pub(super) fn refine(&mut self, light: &Illumination, limit: f64, target: f64) {
+        if !self.is_lit {
+            return;
+        }
         let mesh = std::mem::take(&mut self.mesh);
         let mut added = Vec::new();
         for e in 0..mesh.elements.len() {
@@ -273,7 +347,7 @@ impl<'a> Receiver<'a> {
     /// Keeps the candidates that really break inside element `e`; false when there is none.
     fn keep_lines(
         &mut self,
-        light: &DirectLight,
+        light: &Illumination,
         mesh: &ReceiverMesh,
         e: usize,
         target: f64,
@@ -297,7 +371,7 @@ impl<'a> Receiver<'a> {
 
     /// How much the irradiance departs, across the line through `a` and `b`, from one smooth function: the jump of slope and
     /// curvature at the line over the triangle's reach to both sides, W/m².
-    fn measure_break(&mut self, light: &DirectLight, p: [DVec2; 3], a: DVec2, b: DVec2) -> f64 {
+    fn measure_break(&mut self, light: &Illumination, p: [DVec2; 3], a: DVec2, b: DVec2) -> f64 {
         let middle = a.midpoint(b);
         let normal = (b - a).perp().normalize_or_zero();
         let reach = |n: DVec2| {
@@ -312,7 +386,7 @@ impl<'a> Receiver<'a> {
         if h <= 0.0 {
             return 0.0;
         }
-        let mut at = |t: f64| self.exact(light, middle + normal * (t * h));
+        let mut at = |t: f64| self.exact_direct(light.direct, middle + normal * (t * h));
         let (e0, near, far) = (at(0.0), [at(0.5), at(-0.5)], [at(1.0), at(-1.0)]);
         // One-sided parabolas through 0, ½, 1: slope and curvature at the line in units of h.
         let fit = |k: usize| {

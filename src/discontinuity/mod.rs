@@ -120,9 +120,9 @@ impl LineMap {
         &self.lines[slot(face, side)]
     }
 
-    /// All lines of all receivers.
-    pub fn iter(&self) -> impl Iterator<Item = &FaceLines> {
-        self.lines.iter()
+    /// Moves the lines on one side of a face out.
+    pub fn take(&mut self, face: FaceId, side: FaceSide) -> FaceLines {
+        std::mem::take(&mut self.lines[slot(face, side)])
     }
 }
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Between them it is quadratic, one order above the linear elements of the solution: the final gather is paid at a few
 /// points of the coarse mesh instead of every vertex of the displayed one.
 pub struct IndirectField<'a> {
-    mesh: &'a SolveMesh,
+    mesh: SolveMesh,
     blockers: &'a Blockers,
     radiosity: Vec<Radiosity>,
     means: Vec<Radiosity>,
@@ -24,13 +24,12 @@ pub struct IndirectField<'a> {
 impl<'a> IndirectField<'a> {
     /// Gathers at every site and edge midpoint.
     pub fn new(
-        mesh: &'a SolveMesh,
+        mesh: SolveMesh,
         blockers: &'a Blockers,
         transport: &Transport,
         radiosity: Vec<Radiosity>,
     ) -> Self {
         let mut field = Self {
-            mesh,
             blockers,
             means: transport.face_means(&radiosity),
             sites: transport.apply_all(&radiosity),
@@ -40,6 +39,7 @@ impl<'a> IndirectField<'a> {
                 .iter()
                 .map(|f| vec![[Irradiance::ZERO; 3]; f.mesh.elements.len()])
                 .collect(),
+            mesh,
         };
         field.gather_middles();
         field
@@ -107,12 +107,12 @@ impl<'a> IndirectField<'a> {
     }
 
     /// A gatherer for [`IndirectField::gather`].
-    pub fn gatherer(&self) -> Gatherer<'a> {
-        Gatherer::new(self.mesh, self.blockers)
+    pub fn gatherer(&self) -> Gatherer<'_> {
+        Gatherer::new(&self.mesh, self.blockers)
     }
 
     /// The mesh that the field lives on.
-    pub fn mesh(&self) -> &'a SolveMesh {
-        self.mesh
+    pub fn mesh(&self) -> &SolveMesh {
+        &self.mesh
     }
 }

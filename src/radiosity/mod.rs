@@ -11,11 +11,13 @@ mod field;
 mod gather;
 mod locator;
 mod project;
+mod reach;
 mod solve;
 mod solve_mesh;
 
 pub use field::IndirectField;
 pub use gather::{Gatherer, Row};
 pub use project::{LightSample, project};
+pub use reach::reached;
 pub use solve::{Bounces, SolveReport, Transport};
 pub use solve_mesh::{SolveFace, SolveMesh};

@@ -1,0 +1,414 @@
+//! The recipe: a scene in, lit meshes out, one step a line.
+
+mod conform;
+mod exposure;
+mod measure;
+mod summary;
+
+pub use measure::Measured;
+pub use summary::{LeftOut, Stage, Summary};
+
+use crate::adapt::{self, Illumination, Receiver};
+use crate::bad_input::BadInput;
+use crate::direct::DirectLight;
+use crate::discontinuity::{LineMap, find_lines};
+use crate::lit_scene::LitScene;
+use crate::mesh::{FaceDomain, MeshError};
+use crate::quantity::Irradiance;
+use crate::radiosity::{
+    Bounces, IndirectField, LightSample, SolveMesh, Transport, project, reached,
+};
+use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
+use crate::settings::Settings;
+use crate::visibility::{Blockers, Scratch, Viewpoint};
+use crate::warning::Warning;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Why a scene could not be lit.
+#[derive(Debug, thiserror::Error)]
+pub enum LightError {
+    /// The user can mend it.
+    #[error(transparent)]
+    Input(#[from] BadInput),
+    /// Only we can.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more.
+///
+/// The indirect light is interpolated quadratically (error ∝ h³), so their number grows as error^(−2/3).
+const SOLVE_ELEMENTS: f64 = 500.0;
+
+/// Area of an equilateral triangle of side 1: elements of a staggered lattice.
+const LATTICE_TRIANGLE: f64 = 0.433;
+
+/// Display elements start at this share of the scene's diagonal: fine enough that no bright spot falls between all points
+/// of a large face; shadows announce themselves by their lines.
+const START_SPACING: f64 = 1.0 / 12.0;
+
+/// Share of the permitted error that interpolation over the display mesh may use; the rest is left to the solution of the
+/// indirect light (errors add in squares).
+const DISPLAY_SHARE: f64 = 0.9;
+
+/// The mesh is refined again at most so often when the measured error exceeds the one asked for.
+const MAX_ROUNDS: usize = 4;
+
+/// A cleaned scene, ready to be lit.
+pub struct World {
+    /// The scene.
+    pub scene: Scene,
+    /// Its opaque faces.
+    pub blockers: Blockers,
+    /// What was repaired, in numbers.
+    pub clean: CleanReport,
+    /// What was repaired, in words.
+    pub warnings: Vec<Warning>,
+}
+
+impl World {
+    /// Cleans `raw`.
+    ///
+    /// # Errors
+    /// When nothing usable is left.
+    pub fn new(raw: &RawScene, settings: &Settings) -> Result<Self, BadInput> {
+        let (scene, clean, mut warnings) = clean(raw, &settings.clean)?;
+        if scene.emitters.is_empty() {
+            warnings.push(Warning::new(
+                &scene.source,
+                "no face emits light: the result is black (set Ke or emissiveFactor on a material)",
+            ));
+        }
+        Ok(Self {
+            blockers: Blockers::new(&scene),
+            scene,
+            clean,
+            warnings,
+        })
+    }
+}
+
+/// What `light` tells while it works: the stage's name, and how far it is (0…1) where that is known.
+pub type Progress<'p> = dyn FnMut(&'static str, Option<f64>) + 'p;
+
+/// A lit world.
+pub struct Solution<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// Light straight from the emitters.
+    pub direct: DirectLight<'a>,
+    /// Every lit side with its display mesh, and the fronts that no light reaches.
+    pub receivers: Vec<Receiver>,
+    /// Indirect light; none when nothing reflects or no bounces were asked for.
+    pub indirect: Option<IndirectField<'a>>,
+    /// Counts, times, errors.
+    pub summary: Summary,
+    settings: Settings,
+}
+
+/// Lights `world` to the error asked for.
+///
+/// # Errors
+/// [`MeshError`]: our own bug.
+pub fn light<'a>(
+    world: &'a World,
+    settings: &Settings,
+    progress: &mut Progress,
+) -> Result<Solution<'a>, LightError> {
+    let mut summary = Summary::default();
+    let mut clock = Clock::new(progress);
+    let scene = &world.scene;
+    let direct = DirectLight::new(scene, &world.blockers);
+
+    clock.start("lines", &mut summary);
+    let mut lines = find_lines(scene, &direct);
+    summary.lines = lines.report;
+
+    clock.start("reach", &mut summary);
+    let sides = receiver_sides(scene);
+    let with_bounces = settings.bounces != Bounces::Count(0)
+        && sides
+            .iter()
+            .any(|&(f, _)| !scene.material_of(f).reflectance.is_black());
+    let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
+    let spacing = START_SPACING * scene.diagonal;
+
+    let mut field = None;
+    let mut mean_indirect = 0.0;
+    if with_bounces {
+        clock.start("transport", &mut summary);
+        let mesh = solve_mesh(scene, &lines, &sides, &is_lit, settings.error)?;
+        let transport = Transport::new(&mesh, &world.blockers);
+        let at_sites = direct_at_sites(&mesh, &direct);
+        let (radiosity, _) = transport.solve(&mesh, &at_sites, settings.bounces, settings.error);
+        mean_indirect = mean_at_sites(&mesh, &transport.apply_all(&radiosity));
+        field = Some((mesh, transport, at_sites));
+    }
+
+    clock.start("display mesh", &mut summary);
+    let mut receivers: Vec<Receiver> = sides
+        .iter()
+        .zip(&is_lit)
+        .filter(|&(&(_, side), &lit)| lit || side == FaceSide::Front)
+        .map(|(&(face, side), &lit)| {
+            let lines = lines.take(face, side);
+            let mut r = Receiver::new(scene, face, side, lines, spacing);
+            r.is_lit = lit;
+            r
+        })
+        .collect();
+    let mut target = settings.error * DISPLAY_SHARE;
+    let before = Illumination {
+        direct: &direct,
+        indirect: None,
+    };
+    summary.adapt = adapt::refine(&mut receivers, &before, target, mean_indirect, |f| {
+        clock.tick(f)
+    })?;
+
+    let mut indirect = None;
+    if let Some((mesh, transport, at_sites)) = field {
+        clock.start("solve", &mut summary);
+        let index: Vec<(FaceId, FaceSide)> = mesh
+            .faces
+            .iter()
+            .map(|f| (f.domain.face, f.domain.side))
+            .collect();
+        for r in &mut receivers {
+            r.solve_face = index.binary_search(&(r.domain.face, r.domain.side)).ok();
+        }
+        let g = project_direct(&mesh, &receivers, &at_sites);
+        let tolerance = settings.error * SOLVE_SHARE;
+        let (radiosity, report) = transport.solve(&mesh, &g, settings.bounces, tolerance);
+        summary.solve = report;
+        clock.start("gather", &mut summary);
+        let field = IndirectField::new(mesh, &world.blockers, &transport, radiosity);
+        indirect = Some(field);
+        receivers.iter_mut().for_each(Receiver::relight);
+    }
+
+    let mut solution = Solution {
+        world,
+        direct,
+        receivers,
+        indirect,
+        summary: Summary::default(),
+        settings: settings.clone(),
+    };
+    for round in 0..MAX_ROUNDS {
+        clock.start("display mesh", &mut summary);
+        let light = Illumination {
+            direct: &solution.direct,
+            indirect: solution.indirect.as_ref(),
+        };
+        let report = adapt::refine(&mut solution.receivers, &light, target, 0.0, |f| {
+            clock.tick(f)
+        })?;
+        summary.adapt.add(&report);
+        clock.start("measure", &mut summary);
+        summary.measured = solution.measure(settings.samples, settings.seed + round as u64);
+        summary.rounds = round + 1;
+        if summary.measured.relative_rms <= settings.error {
+            break;
+        }
+        // What the estimate missed is asked for on top.
+        target *= DISPLAY_SHARE * settings.error / summary.measured.relative_rms;
+    }
+    clock.finish(&mut summary);
+    summary.fill(&solution, &is_lit, &sides);
+    solution.summary = summary;
+    Ok(solution)
+}
+
+/// Share of the permitted error left to the iteration.
+const SOLVE_SHARE: f64 = 0.02;
+
+/// Every side that reflects or is seen, sorted.
+fn receiver_sides(scene: &Scene) -> Vec<(FaceId, FaceSide)> {
+    scene
+        .faces
+        .ids()
+        .flat_map(|f| [FaceSide::Front, FaceSide::Back].map(|s| (f, s)))
+        .filter(|&(f, s)| scene.receives(f, s))
+        .collect()
+}
+
+/// Which sides light reaches: directly (it shows at coarse points, or draws a line), or by way of other sides.
+fn lit_sides(
+    world: &World,
+    direct: &DirectLight,
+    lines: &LineMap,
+    sides: &[(FaceId, FaceSide)],
+    with_bounces: bool,
+) -> Vec<bool> {
+    let scene = &world.scene;
+    let views: Vec<Vec<Viewpoint>> = sides
+        .iter()
+        .map(|&(face, side)| {
+            let f = &scene.faces[face];
+            f.triangles
+                .iter()
+                .map(|t| {
+                    let centre = t.map(|v| scene.vertices[v]).iter().sum::<glam::DVec3>() / 3.0;
+                    let on_plane = f.frame.to_space(f.frame.to_plane(centre));
+                    Viewpoint::new(on_plane, scene.normal(face, side))
+                })
+                .collect()
+        })
+        .collect();
+    let lit: Vec<bool> = sides
+        .par_iter()
+        .zip(&views)
+        .map_init(Scratch::default, |scratch, (&(face, side), views)| {
+            !lines.of(face, side).candidates.is_empty()
+                || views
+                    .iter()
+                    .any(|v| !direct.irradiance(v, scratch).0.is_black())
+        })
+        .collect();
+    if with_bounces {
+        reached(scene, sides, &views, &lit)
+    } else {
+        lit
+    }
+}
+
+/// The coarse mesh of all lit sides.
+fn solve_mesh(
+    scene: &Scene,
+    lines: &LineMap,
+    sides: &[(FaceId, FaceSide)],
+    is_lit: &[bool],
+    error: f64,
+) -> Result<SolveMesh, MeshError> {
+    let lit = || sides.iter().zip(is_lit).filter(|s| *s.1).map(|s| *s.0);
+    let area: f64 = lit().map(|(f, _)| scene.faces[f].area).sum();
+    let elements = SOLVE_ELEMENTS * (0.01 / error).powf(2.0 / 3.0);
+    let spacing = (area / (LATTICE_TRIANGLE * elements)).sqrt();
+    let domains = lit()
+        .map(|(face, side)| {
+            let l = lines.of(face, side);
+            let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
+            (domain, scene.material_of(face).reflectance)
+        })
+        .collect();
+    SolveMesh::new(domains, spacing)
+}
+
+/// Exact direct light at every site of the solve mesh.
+fn direct_at_sites(mesh: &SolveMesh, direct: &DirectLight) -> Vec<Irradiance> {
+    mesh.faces
+        .par_iter()
+        .flat_map_iter(|face| {
+            let mut scratch = Scratch::default();
+            (0..face.mesh.site_vertices.len())
+                .map(|s| direct.irradiance(&face.site_view(s), &mut scratch))
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// Area-weighted mean over the solve mesh, mean of the channels, W/m².
+fn mean_at_sites(mesh: &SolveMesh, values: &[Irradiance]) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for face in &mesh.faces {
+        for (e, sites) in face.mesh.sites.iter().enumerate() {
+            let a = face.mesh.area(e);
+            area += a;
+            for &s in sites {
+                sum += values[face.first_site + s as usize].mean() * a / 3.0;
+            }
+        }
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
+/// The direct light of the display meshes, shared among the sites of the solve mesh.
+fn project_direct(
+    mesh: &SolveMesh,
+    receivers: &[Receiver],
+    at_sites: &[Irradiance],
+) -> Vec<Irradiance> {
+    let samples = receivers.iter().flat_map(|r| {
+        let face = r.solve_face;
+        (0..r.mesh.elements.len())
+            .filter_map(move |e| face.map(|f| (f as u32, e)))
+            .flat_map(move |(face, e)| {
+                let p = r.mesh.corners(e);
+                let value = r.mesh.sites[e].map(|s| r.direct[s as usize]);
+                let area = r.mesh.area(e) / SUB_POINTS.len() as f64;
+                SUB_POINTS.iter().map(move |w| LightSample {
+                    face,
+                    point: p[0] * w[0] + p[1] * w[1] + p[2] * w[2],
+                    area,
+                    irradiance: value[0] * w[0] + value[1] * w[1] + value[2] * w[2],
+                })
+            })
+    });
+    project(mesh, samples, |f, s| at_sites[mesh.faces[f].first_site + s])
+}
+
+/// Middles of the four triangles that a triangle is divided into at its edge midpoints: four equal shares of its area.
+const SUB_POINTS: [[f64; 3]; 4] = [
+    [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
+    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+
+impl Solution<'_> {
+    /// Compares what the mesh shows with what is there, at stratified random points of the lit surfaces.
+    pub fn measure(&self, samples: u32, seed: u64) -> Measured {
+        measure::measure(self, samples, seed)
+    }
+
+    /// The meshes with their light, neighbours sharing their vertices, ready to be written.
+    pub fn lit_scene(&self) -> LitScene {
+        let meshes = conform::lit_meshes(self);
+        let scene = &self.world.scene;
+        LitScene {
+            origin: scene.origin,
+            materials: scene.materials.clone(),
+            groups: scene.groups.clone(),
+            cameras: scene.cameras.clone(),
+            exposure: exposure::exposure(&meshes, self.settings.exposure),
+            meshes,
+            extras: summary::extras(self, &self.settings),
+        }
+    }
+}
+
+/// Times the stages.
+struct Clock<'c, 'p> {
+    progress: &'c mut Progress<'p>,
+    open: Option<(&'static str, Instant)>,
+}
+
+impl<'c, 'p> Clock<'c, 'p> {
+    fn new(progress: &'c mut Progress<'p>) -> Self {
+        Self {
+            progress,
+            open: None,
+        }
+    }
+
+    fn start(&mut self, name: &'static str, summary: &mut Summary) {
+        self.finish(summary);
+        (self.progress)(name, None);
+        self.open = Some((name, Instant::now()));
+    }
+
+    /// `error` is what the estimate has come down to, relative to what is asked for: progress on a logarithmic scale.
+    fn tick(&mut self, share: f64) {
+        if let Some((name, _)) = self.open {
+            (self.progress)(name, Some(share));
+        }
+    }
+
+    fn finish(&mut self, summary: &mut Summary) {
+        if let Some((name, since)) = self.open.take() {
+            summary.add_time(name, since.elapsed().as_secs_f64());
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Counts, times and errors of one run, for people and machines.
+
+use super::{Measured, Solution};
+use crate::adapt::AdaptReport;
+use crate::discontinuity::SearchReport;
+use crate::radiosity::{Bounces, SolveReport};
+use crate::scene::{CleanReport, FaceId, FaceSide};
+use crate::settings::Settings;
+use serde_json::{Value, json};
+
+/// Wall-clock time of one stage.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: &'static str,
+    /// Seconds, all visits together.
+    pub seconds: f64,
+}
+
+/// What was not done because the scene does not need it.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct LeftOut {
+    /// What.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// Everything there is to say about one run.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct Summary {
+    /// What the clean-up did.
+    pub clean: CleanReport,
+    /// What the search for lines did.
+    pub lines: SearchReport,
+    /// Lines that the display meshes hold.
+    pub lines_kept: usize,
+    /// Contact lines (D0).
+    pub contacts: usize,
+    /// Sides of faces that may receive light.
+    pub sides: usize,
+    /// Of these, sides that light reaches.
+    pub lit_sides: usize,
+    /// Area of the lit sides, m².
+    pub lit_area_m2: f64,
+    /// Display elements.
+    pub elements: usize,
+    /// Values at their corners (a vertex on a contact line has one a side).
+    pub sites: usize,
+    /// How the display mesh was refined.
+    pub adapt: AdaptReport,
+    /// How the indirect light was solved.
+    pub solve: SolveReport,
+    /// Error asked for, relative.
+    pub error_asked: f64,
+    /// Estimated interpolation error, relative.
+    pub error_estimated: f64,
+    /// Error measured.
+    pub measured: Measured,
+    /// Rounds of refine and measure.
+    pub rounds: usize,
+    /// Stages in order.
+    pub stages: Vec<Stage>,
+    /// What was left out.
+    pub left_out: Vec<LeftOut>,
+    /// Repairs and omissions, in words.
+    pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Adds `seconds` to a stage.
+    pub fn add_time(&mut self, name: &'static str, seconds: f64) {
+        match self.stages.iter_mut().find(|s| s.name == name) {
+            Some(s) => s.seconds += seconds,
+            None => self.stages.push(Stage { name, seconds }),
+        }
+    }
+
+    pub(super) fn fill(
+        &mut self,
+        solution: &Solution,
+        is_lit: &[bool],
+        sides: &[(FaceId, FaceSide)],
+    ) {
+        let world = solution.world;
+        let receivers = &solution.receivers;
+        self.clean = world.clean.clone();
+        self.warnings = world.warnings.iter().map(ToString::to_string).collect();
+        self.sides = sides.len();
+        self.lit_sides = is_lit.iter().filter(|l| **l).count();
+        self.lit_area_m2 = receivers
+            .iter()
+            .filter(|r| r.is_lit)
+            .map(|r| r.area())
+            .sum();
+        self.elements = receivers.iter().map(|r| r.mesh.elements.len()).sum();
+        self.sites = receivers.iter().map(|r| r.mesh.site_vertices.len()).sum();
+        self.lines_kept = receivers.iter().map(|r| r.kept().count()).sum();
+        self.contacts = receivers.iter().map(|r| r.lines.contacts.len()).sum();
+        self.error_asked = solution.settings.error;
+        let mean = self.measured.mean;
+        self.error_estimated = if mean > 0.0 {
+            self.adapt.estimated_rms / mean
+        } else {
+            0.0
+        };
+        self.left_out(solution);
+    }
+
+    fn left_out(&mut self, solution: &Solution) {
+        let mut say = |what: String, why: &str| {
+            self.left_out.push(LeftOut {
+                what,
+                why: why.to_owned(),
+            });
+        };
+        if self.sides > self.lit_sides {
+            say(
+                format!("{} of {} sides", self.sides - self.lit_sides, self.sides),
+                "no light reaches them",
+            );
+        }
+        let found: usize = solution
+            .receivers
+            .iter()
+            .map(|r| r.lines.candidates.len())
+            .sum();
+        if found > self.lines_kept {
+            say(
+                format!("{} of {found} lines", found - self.lines_kept),
+                "their break does not matter at the error asked for",
+            );
+        }
+        if solution.indirect.is_none() {
+            let why = if solution.settings.bounces == Bounces::Count(0) {
+                "no bounces were asked for"
+            } else {
+                "nothing reflects"
+            };
+            say("indirect light".to_owned(), why);
+        }
+    }
+}
+
+/// What the lit file says about itself.
+pub(super) fn extras(solution: &Solution, settings: &Settings) -> Value {
+    let s = &solution.summary;
+    json!({
+        "umbrage": {
+            "version": env!("CARGO_PKG_VERSION"),
+            "source": solution.world.scene.source,
+            "error_asked": settings.error,
+            "error_measured_rms": s.measured.relative_rms,
+            "error_measured_max": s.measured.relative_max,
+            "samples": s.measured.samples,
+            "seed": settings.seed,
+            "bounces": match settings.bounces {
+                Bounces::All => json!("all"),
+                Bounces::Count(n) => json!(n),
+            },
+        }
+    })
+}

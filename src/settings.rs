@@ -1,0 +1,43 @@
+//! Every knob, its unit and its default.
+
+use crate::radiosity::Bounces;
+use crate::scene::CleanSettings;
+
+/// How a scene is lit.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Relative RMS error of irradiance over the lit surfaces that the user accepts.
+    pub error: f64,
+    /// How often light is reflected.
+    pub bounces: Bounces,
+    /// Tolerances of the clean-up.
+    pub clean: CleanSettings,
+    /// How `COLOR_0` is scaled.
+    pub exposure: Exposure,
+    /// Seed of the points at which the error is measured.
+    pub seed: u64,
+    /// Number of these points.
+    pub samples: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            error: 0.01,
+            bounces: Bounces::All,
+            clean: CleanSettings::default(),
+            exposure: Exposure::Auto,
+            seed: 1,
+            samples: 1000,
+        }
+    }
+}
+
+/// How irradiance becomes a colour between 0 and 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// The brightest hundredth of the lit area just saturates.
+    Auto,
+    /// `exposure = 2^EV`.
+    Ev(f64),
+}

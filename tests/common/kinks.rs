@@ -53,13 +53,15 @@ impl Default for KinkSettings {
 /// Not at the middle: breaks often lie there, and one that falls on the end of a piece is invisible.
 const SPLIT: f64 = 0.484_375_3;
 const LEAF_NODES: usize = 12;
+const LONGEST_GROUP: usize = 6;
+const SHALLOWEST_FALL: u32 = 2;
 const SIDE_NODES: usize = 24;
 const SIDE_DEGREE: usize = 6;
 /// No more than this part of the interval goes into the fit of one side.
 const WIDEST_SIDE: f64 = 0.25;
 
 /// All breaks of `f` between `start` and `end`, from `start` on. Breaks closer to each other than some ten times
-/// `narrowest` are seen as one, or not at all.
+/// `narrowest` are seen as one, or not at all; so is a break that close to `start` or `end`.
 pub(crate) fn find_kinks(
     f: &dyn Fn(f64) -> f64,
     (start, end): (f64, f64),
@@ -73,7 +75,12 @@ pub(crate) fn find_kinks(
     }
     let unit = |t: f64| f(start + length * t) / scale;
     let mut leaves = Vec::new();
-    divide(&unit, 0.0, 1.0, settings, &mut leaves);
+    let whole = Leaf {
+        a: 0.0,
+        b: 1.0,
+        depth: 0,
+    };
+    divide(&unit, whole, settings, &mut leaves);
     let brackets = brackets(&leaves);
     let mut kinks = Vec::new();
     for (i, &(left, right)) in brackets.iter().enumerate() {
@@ -88,51 +95,88 @@ pub(crate) fn find_kinks(
     kinks
 }
 
-/// Bisects until each piece is smooth to round-off, or the narrowest.
-fn divide(
-    f: &dyn Fn(f64) -> f64,
+/// A piece of the interval and how often it was divided out of the whole.
+#[derive(Clone, Copy)]
+struct Leaf {
     a: f64,
     b: f64,
-    settings: &KinkSettings,
-    leaves: &mut Vec<(f64, f64)>,
-) {
-    let fit = Fit::new(f, a, b, LEAF_NODES, LEAF_NODES - 1);
+    depth: u32,
+}
+
+/// Bisects until each piece is smooth to round-off, or the narrowest.
+fn divide(f: &dyn Fn(f64) -> f64, leaf: Leaf, settings: &KinkSettings, leaves: &mut Vec<Leaf>) {
+    let Leaf { a, b, depth } = leaf;
+    // Reach over the ends: between an end and the outermost node a break would hide.
+    let margin = 0.02 * (b - a);
+    let (low, high) = ((a - margin).max(0.0), (b + margin).min(1.0));
+    let fit = Fit::new(f, low, high, LEAF_NODES, LEAF_NODES - 1);
     let tail = fit.coefficients[LEAF_NODES - 3..]
         .iter()
         .fold(0.0, |m: f64, c| m.max(c.abs()));
-    // The widest pieces are divided anyway: a break near the end of one may hide between its nodes.
-    let is_smooth = tail <= 4.0 * settings.noise && b - a < 0.2;
-    if is_smooth || b - a <= settings.narrowest {
-        leaves.push((a, b));
+    // The widest pieces are divided anyway: their nodes are few for a whole interval.
+    let is_smooth = tail <= 4.0 * settings.noise && depth > 2;
+    if is_smooth || 0.5_f64.powi(depth as i32) <= settings.narrowest {
+        leaves.push(leaf);
         return;
     }
     let middle = a + (b - a) * SPLIT;
-    divide(f, a, middle, settings, leaves);
-    divide(f, middle, b, settings, leaves);
+    let depth = depth + 1;
+    divide(
+        f,
+        Leaf {
+            b: middle,
+            depth,
+            ..leaf
+        },
+        settings,
+        leaves,
+    );
+    divide(
+        f,
+        Leaf {
+            a: middle,
+            depth,
+            ..leaf
+        },
+        settings,
+        leaves,
+    );
 }
 
-/// Groups of pieces narrower than both neighbours, each with a margin.
-fn brackets(leaves: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let width = |i: usize| leaves[i].1 - leaves[i].0;
-    // The two parts of one piece count as equally wide.
-    let is_wider = |i: usize, j: usize| width(i) > 1.3 * width(j);
-    let mut brackets = Vec::new();
-    let mut i = 0;
-    while i < leaves.len() {
-        let mut j = i;
-        while j + 1 < leaves.len() && !is_wider(j + 1, i) && !is_wider(i, j + 1) {
-            j += 1;
-        }
-        let narrows =
-            (i == 0 || is_wider(i - 1, i)) && (j + 1 == leaves.len() || is_wider(j + 1, j));
-        // A long row of equal pieces is what a smooth function leaves behind.
-        if narrows && j - i < 6 {
-            let margin = 0.25 * width(i);
-            let (left, right) = (leaves[i].0 - margin, leaves[j].1 + margin);
+/// Groups of pieces divided clearly more often than those around, each with a margin.
+fn brackets(leaves: &[Leaf]) -> Vec<(f64, f64)> {
+    let mut brackets: Vec<(f64, f64)> = Vec::new();
+    let groups: Vec<&[Leaf]> = leaves.chunk_by(|a, b| a.depth == b.depth).collect();
+    let depth = |group: &&[Leaf]| group[0].depth;
+    for (i, group) in groups.iter().enumerate() {
+        // By how much the depth falls from here until it rises again; beyond the ends there is nothing to see.
+        let falls = |beside: &mut dyn Iterator<Item = u32>| {
+            let mut last = depth(group);
+            for next in beside {
+                if next > last {
+                    break;
+                }
+                last = next;
+            }
+            depth(group) - last
+        };
+        let left = falls(&mut groups[..i].iter().rev().map(depth));
+        let right = falls(&mut groups[i + 1..].iter().map(depth));
+        // A smooth function leaves long rows of equal pieces behind, and shallow steps.
+        if group.len() <= LONGEST_GROUP && left >= SHALLOWEST_FALL && right >= SHALLOWEST_FALL {
+            let margin = 0.25 * (group[0].b - group[0].a);
+            let (left, right) = (group[0].a - margin, group[group.len() - 1].b + margin);
             brackets.push((left.max(0.0), right.min(1.0)));
         }
-        i = j + 1;
     }
+    // Between two brackets there has to be room to see the function without its breaks.
+    brackets.dedup_by(|next, last| {
+        let is_close = next.0 - last.1 < 2.5 * (next.1 - next.0).max(last.1 - last.0);
+        if is_close {
+            last.1 = next.1;
+        }
+        is_close
+    });
     brackets
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod kinks;
 pub(crate) mod obj_lite;
 pub(crate) mod path_tracer;
+mod picture;
 pub(crate) mod reference;
 pub(crate) mod rng;
 pub(crate) mod scenes;

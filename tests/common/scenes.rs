@@ -51,6 +51,19 @@ pub(crate) fn fixture(name: &str) -> PathBuf {
         .with_extension("obj")
 }
 
+/// Names of all scenes of our own, sorted.
+pub(crate) fn fixture_names() -> Vec<String> {
+    let directory = fixtures().join("scenes");
+    let entries = std::fs::read_dir(&directory).expect("the fixtures are there");
+    let mut names: Vec<String> = entries
+        .map(|e| e.expect("the entry is readable").path())
+        .filter(|path| path.is_dir())
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    names
+}
+
 /// A scene of our own, read.
 pub(crate) fn read_fixture(name: &str) -> ObjMesh {
     ObjMesh::read(&fixture(name))

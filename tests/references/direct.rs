@@ -4,7 +4,7 @@ use super::{UP, assert_near};
 use crate::common::obj_lite::ObjMesh;
 use crate::common::reference::{DirectReference, lambert};
 use crate::common::rng::Rng;
-use crate::common::scenes::{SHADOW_SCENES, read_fixture};
+use crate::common::scenes::{SHADOW_SCENES, fixture_names, read_fixture};
 use crate::common::tables::{rows, table};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -451,5 +451,39 @@ fn exact_and_cast_irradiance_agree_behind_blinds() {
             error <= 0.01 * exact.max_element(),
             "{x}: {exact} and {cast}"
         );
+    }
+}
+
+#[test]
+fn irradiance_lies_between_none_and_all_on_every_face() {
+    for name in fixture_names() {
+        let mesh = read_fixture(&name);
+        let scene = DirectReference::new(&mesh);
+        let mut lights = mesh.clone();
+        lights
+            .polygons
+            .retain(|p| mesh.surfaces[p.surface].ke != DVec3::ZERO);
+        let open = DirectReference::new(&lights);
+        let brightest = mesh
+            .surfaces
+            .iter()
+            .fold(DVec3::ZERO, |m, s| m.max(s.ke * PI));
+        for polygon in &mesh.polygons {
+            // The centre, a corner and the middle of an edge, as nodes of a mesh have them, on both sides.
+            let corners = &polygon.corners;
+            let middle = corners[0] + (corners[1] - corners[0]) / 2.0;
+            for x in [polygon.centre(), corners[0], middle] {
+                for n in [polygon.normal(), -polygon.normal()] {
+                    let found = scene.irradiance(x, n);
+                    let limit = open.irradiance(x, n).min(brightest) + brightest * 1e-13;
+                    let is_bounded = found.cmpge(brightest * -1e-13) & found.cmple(limit);
+                    assert!(
+                        found.is_finite() && is_bounded.all(),
+                        "{name}: {found} at {x} on {}, at most {limit}",
+                        polygon.object
+                    );
+                }
+            }
+        }
     }
 }

@@ -21,6 +21,11 @@ pub(super) fn kinks_of(breaks: &[(f64, i32, f64)]) -> Vec<Kink> {
     find_kinks(&|t| broken(t, breaks), (0.0, 1.0), &KinkSettings::default())
 }
 
+/// The order, or −1 for several breaks at once.
+pub(super) fn order_of(kink: &Kink) -> i32 {
+    kink.order.map_or(-1, i32::from)
+}
+
 #[test]
 fn smooth_functions_have_no_kinks() {
     let functions: [fn(f64) -> f64; 5] = [
@@ -49,14 +54,14 @@ fn kinks_of_each_order_are_found_and_measured() {
                 let what = format!("order {order}, size {size}, at {at}: {found:?}");
                 assert_eq!(found.len(), 1, "{what}");
                 let kink = found[0];
-                assert_eq!(i32::from(kink.order), order, "{what}");
+                assert_eq!(order_of(&kink), order, "{what}");
                 assert!((kink.t - at).abs() <= kink.uncertainty.max(1e-9), "{what}");
                 // Half of the second derivative is the factor of the square; values are scaled to a maximum of 1.
                 let scale = (0..=64)
                     .map(|i| broken(f64::from(i) / 64.0, &[(at, order, size)]).abs())
                     .fold(0.0, f64::max);
                 let expected = if order == 2 { 2.0 * size } else { size } / scale;
-                let jump = kink.jumps[usize::from(kink.order)];
+                let jump = kink.jumps[order as usize];
                 assert!(
                     (jump / expected - 1.0).abs() < 0.05,
                     "{what}: jump {jump:e} for {expected:e}"
@@ -75,7 +80,7 @@ fn kinks_close_to_each_other_are_told_apart() {
             (0.31 + 2.0 * distance, 0, 0.01),
         ];
         let found = kinks_of(&breaks);
-        let orders: Vec<u8> = found.iter().map(|k| k.order).collect();
+        let orders: Vec<i32> = found.iter().map(order_of).collect();
         assert_eq!(orders, [1, 2, 0], "at a distance of {distance}: {found:?}");
         for (kink, (at, ..)) in found.iter().zip(breaks) {
             assert!(
@@ -87,13 +92,23 @@ fn kinks_close_to_each_other_are_told_apart() {
 }
 
 #[test]
+fn kinks_too_close_to_tell_apart_are_no_jump() {
+    for order in [1, 2] {
+        let found = kinks_of(&[(0.31, order, 1.0), (0.310_03, order, -1.0)]);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_ne!(found[0].order, Some(0), "{found:?}");
+        assert!((found[0].t - 0.31).abs() < 2e-4, "{found:?}");
+    }
+}
+
+#[test]
 fn kinks_are_found_wherever_they_are() {
     let mut rng = Rng::new(43);
     for order in 0..=2 {
         for _ in 0..100 {
             let at = rng.range(0.05, 0.95);
             let found = kinks_of(&[(at, order, 0.3)]);
-            let orders: Vec<i32> = found.iter().map(|k| i32::from(k.order)).collect();
+            let orders: Vec<i32> = found.iter().map(order_of).collect();
             assert_eq!(orders, [order], "at {at}: {found:?}");
         }
     }
@@ -108,7 +123,7 @@ fn kinks_of_a_penumbra_are_where_the_geometry_says() {
     let expected = [-1.5, -0.5, 0.5, 1.5];
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for (kink, at) in found.iter().zip(expected) {
-        assert_eq!(kink.order, 1, "{found:?}");
+        assert_eq!(kink.order, Some(1), "{found:?}");
         assert!((kink.t - at).abs() < 1e-9, "{found:?}");
     }
 }
@@ -139,7 +154,7 @@ fn kinks_of_generic_penumbrae_lie_on_critical_planes() {
             let found = find_kinks(&along, (-2.7, 2.9), &KinkSettings::default());
             most = most.max(found.len());
             for kink in &found {
-                assert_eq!(kink.order, 2, "{name}, z = {z}: {kink:?}");
+                assert_eq!(kink.order, Some(2), "{name}, z = {z}: {kink:?}");
                 let off = |plane: &f64| (plane - kink.t).abs();
                 let nearest = planes.iter().map(off).fold(f64::INFINITY, f64::min);
                 assert!(
@@ -157,7 +172,7 @@ fn contact_line_and_horizon_are_breaks_of_value_and_slope() {
     let scene = DirectReference::new(&read_fixture("wall-piercing-floor"));
     let along = |x: f64| scene.irradiance(DVec3::new(x, 0.0, 0.0), UP).x;
     let found = find_kinks(&along, (-1.3, 1.6), &KinkSettings::default());
-    let contact: Vec<_> = found.iter().filter(|k| k.order == 0).collect();
+    let contact: Vec<_> = found.iter().filter(|k| k.order == Some(0)).collect();
     assert_eq!(contact.len(), 1, "{found:?}");
     assert!(contact[0].t.abs() < 1e-7, "{found:?}");
 
@@ -165,6 +180,6 @@ fn contact_line_and_horizon_are_breaks_of_value_and_slope() {
     let along = |x: f64| scene.irradiance(DVec3::new(x, 0.0, 0.3), UP).x;
     let found = find_kinks(&along, (-2.7, 2.9), &KinkSettings::default());
     assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!(found[0].order, 1, "{found:?}");
+    assert_eq!(found[0].order, Some(1), "{found:?}");
     assert!((found[0].t + 0.5).abs() < 1e-9, "{found:?}");
 }

@@ -1,7 +1,7 @@
 //! What the references cost and can see: `cargo test -- --ignored --nocapture measure`.
 
 use super::UP;
-use super::kinks::{broken, kinks_of};
+use super::kinks::{broken, kinks_of, order_of};
 use crate::common::kinks::{KinkSettings, find_kinks};
 use crate::common::path_tracer::{PathSettings, PathTracer};
 use crate::common::reference::DirectReference;
@@ -87,7 +87,7 @@ fn measure_what_kinks_can_be_seen() {
                         ..KinkSettings::default()
                     };
                     let found = find_kinks(&f, (0.0, 1.0), &settings);
-                    let is_right = found.len() == 1 && i32::from(found[0].order) == order;
+                    let is_right = found.len() == 1 && order_of(&found[0]) == order;
                     if is_right {
                         misplaced = f64::max(misplaced, (found[0].t - at).abs());
                     }
@@ -112,10 +112,7 @@ fn measure_what_kinks_can_be_seen() {
             for _ in 0..50 {
                 let at = rng.range(0.2, 0.7);
                 let breaks = [(at, orders[0], 1.0), (at + distance, orders[1], 1.0)];
-                let found: Vec<i32> = kinks_of(&breaks)
-                    .iter()
-                    .map(|k| i32::from(k.order))
-                    .collect();
+                let found: Vec<i32> = kinks_of(&breaks).iter().map(order_of).collect();
                 if found != orders && distance > worst.0 {
                     worst = (distance, found);
                 }

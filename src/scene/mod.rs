@@ -18,9 +18,9 @@ use glam::DVec3;
 
 /// The cleaned world.
 ///
-/// Invariants: ids are dense; no two vertices lie within the weld distance of each other; no vertex lies within the weld
-/// distance of the interior of an edge; each face is planar within the planarity tolerance, has positive area, and its
-/// loops are simple and pass through every vertex that lies on them; every edge lists each face that runs along it.
+/// Invariants: ids are dense; no two vertices lie within the weld distance of each other; no vertex lies within half the
+/// weld distance of the interior of an edge; each face is planar within the planarity tolerance, has positive area, and
+/// its loops are simple and pass through every vertex that lies on them; every edge lists each face that runs along it.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name for messages: the file's path as the user typed it.

@@ -48,6 +48,9 @@ pub struct CleanSettings {
 #[derive(Clone, Copy, Debug)]
 struct Tolerances {
     weld_distance: f64,
+    /// Below this distance a vertex lies on an edge: half the weld distance, which is what lets the insertion of vertices
+    /// into edges come to an end.
+    edge_distance: f64,
     planarity: f64,
 }
 
@@ -69,6 +72,7 @@ pub fn clean(
         polygons: raw.polygons.len(),
         see_through: raw.polygons.len() - selection.pieces.len(),
         weld_distance_m: tolerances.weld_distance,
+        edge_distance_m: tolerances.edge_distance,
         planarity_m: tolerances.planarity,
         ..CleanReport::default()
     };
@@ -94,10 +98,9 @@ pub fn clean(
     ));
 
     let t_junctions =
-        t_junction::insert_vertices(&mut pieces, &positions, tolerances.weld_distance);
+        t_junction::insert_vertices(&mut pieces, &positions, tolerances.edge_distance);
     report.t_junctions = t_junctions.inserted;
     report.degenerate += t_junctions.collapsed;
-    report.is_settled = t_junctions.is_settled;
     // A corner that only one of two doubles had is now a corner of both.
     report.duplicates += duplicates::drop_duplicates(&mut pieces, &raw.materials);
 
@@ -114,7 +117,7 @@ pub fn clean(
     }
     report.duplicate_faces = duplicates::drop_duplicate_faces(&mut built.faces, &raw.materials);
     report.straightened =
-        straighten::straighten(&mut built.faces, &positions, tolerances.weld_distance);
+        straighten::straighten(&mut built.faces, &positions, tolerances.edge_distance);
     let (faces, vertices) = compact(built.faces, &positions);
     let scene = assemble(
         raw,
@@ -154,7 +157,7 @@ fn drop_degenerate(
     let mut folded = Vec::new();
     pieces.retain_mut(|piece| {
         piece.remove_spikes();
-        match piece.shape(positions, tolerances.weld_distance) {
+        match piece.shape(positions, tolerances.edge_distance) {
             Shape::Sound => return true,
             Shape::Degenerate => report.degenerate += 1,
             Shape::Folded => folded.push(piece.source),

@@ -25,7 +25,7 @@ pub(super) struct Piece {
 pub(super) enum Shape {
     /// It encloses area.
     Sound,
-    /// Fewer than three corners, or all within the weld distance of one line.
+    /// Fewer than three corners, or all within the edge distance of one line.
     Degenerate,
     /// Its corners span a plane and yet enclose no net area: it crosses itself.
     Folded,
@@ -87,11 +87,11 @@ impl Piece {
         self.corners = kept;
     }
 
-    /// Whether the corners enclose area, as seen at the weld distance.
+    /// Whether the corners enclose area, as seen at `edge_distance`.
     ///
     /// The width is measured from the longest line through two corners that two sweeps find: for a triangle that is its
     /// longest edge, and the width its smallest height.
-    pub(super) fn shape(&self, positions: &Positions, weld_distance: f64) -> Shape {
+    pub(super) fn shape(&self, positions: &Positions, edge_distance: f64) -> Shape {
         if self.corners.len() < 3 {
             return Shape::Degenerate;
         }
@@ -114,9 +114,9 @@ impl Piece {
             .points(positions)
             .map(|p| axis.cross(p - a).length())
             .fold(0.0, f64::max);
-        if width < weld_distance {
+        if width < edge_distance {
             Shape::Degenerate
-        } else if self.newell(positions).length() < weld_distance * a.distance(b) {
+        } else if self.newell(positions).length() < edge_distance * a.distance(b) {
             Shape::Folded
         } else {
             Shape::Sound

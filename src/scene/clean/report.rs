@@ -15,11 +15,13 @@ pub struct CleanReport {
     pub see_through: usize,
     /// Below this distance two points became one, metres.
     pub weld_distance_m: f64,
+    /// Below this distance a vertex lay on an edge, metres.
+    pub edge_distance_m: f64,
     /// Farthest that a corner may lie off its face's plane, metres.
     pub planarity_m: f64,
     /// Positions that became the same vertex as an earlier one.
     pub welded: usize,
-    /// Polygons dropped because they are no wider than the weld distance.
+    /// Polygons dropped because they are no wider than the edge distance.
     pub degenerate: usize,
     /// Polygons dropped because another one has the same corners.
     pub duplicates: usize,
@@ -29,8 +31,6 @@ pub struct CleanReport {
     pub self_crossing: usize,
     /// Vertices inserted into edges that they lay on, each counted once an edge.
     pub t_junctions: usize,
-    /// False when inserting vertices into edges had not come to an end at the last round.
-    pub is_settled: bool,
     /// Polygons before coplanar ones were merged.
     pub pieces: usize,
     /// Sets of coplanar polygons left unmerged because they have no common outline.
@@ -73,12 +73,12 @@ impl CleanReport {
 
     /// One line a kind of repair; `crossing` holds the file indices of the polygons that cross themselves.
     pub(super) fn warnings(&self, source: &str, crossing: &[u32]) -> Vec<Warning> {
-        let weld = self.weld_distance_m;
+        let width = self.edge_distance_m;
         let planarity = self.planarity_m;
         let counted = [
             (
                 self.degenerate,
-                format!("narrower than {weld:.1e} m, dropped"),
+                format!("narrower than {width:.1e} m, dropped"),
             ),
             (
                 self.duplicates,
@@ -105,9 +105,6 @@ impl CleanReport {
                 "{} vertices in the middle of an edge, inserted there",
                 self.t_junctions
             ));
-        }
-        if !self.is_settled {
-            lines.push("some vertices still lie on edges that do not end there".to_owned());
         }
         if self.unmerged > 0 {
             lines.push(format!(

@@ -118,6 +118,7 @@ fn tolerances(
     let weld_distance = checked("weld distance", settings.weld_distance, derived)?;
     Ok(Tolerances {
         weld_distance,
+        edge_distance: 0.5 * weld_distance,
         planarity: checked("planarity", settings.planarity, weld_distance)?,
     })
 }

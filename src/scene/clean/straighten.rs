@@ -12,13 +12,13 @@ use rayon::prelude::*;
 /// Removes such vertices from the loops of all faces; returns how many.
 ///
 /// A vertex is *plain* when the same faces run along both its edges and no other edge meets it. Chains of plain vertices
-/// are thinned so that each removed one stays within `weld_distance` of the edge that replaces it (D. Douglas, T. Peucker,
+/// are thinned so that each removed one stays within `edge_distance` of the edge that replaces it (D. Douglas, T. Peucker,
 /// *Algorithms for the reduction of the number of points*, 1973). A chain stays as it is where the new edge would meet
 /// another vertex or coincide with another edge.
-pub(super) fn straighten(faces: &mut [Face], positions: &Positions, weld_distance: f64) -> usize {
+pub(super) fn straighten(faces: &mut [Face], positions: &Positions, edge_distance: f64) -> usize {
     let mut is_pinned = vec![false; positions.len()];
     loop {
-        let is_removed = removable(faces, positions, weld_distance, &is_pinned);
+        let is_removed = removable(faces, positions, edge_distance, &is_pinned);
         let rebuilt: Vec<(usize, Option<Face>)> = faces
             .par_iter()
             .enumerate()
@@ -66,7 +66,7 @@ struct Link {
 fn removable(
     faces: &[Face],
     positions: &Positions,
-    weld_distance: f64,
+    edge_distance: f64,
     is_pinned: &[bool],
 ) -> Vec<bool> {
     let links = links(faces);
@@ -82,7 +82,7 @@ fn removable(
     let mut is_removed = vec![false; positions.len()];
     let mut new_edges = Vec::new();
     for chain in chains(&links, &around, &is_plain) {
-        for span in spans(&chain, positions, weld_distance) {
+        for span in spans(&chain, positions, edge_distance) {
             let inner = &span[1..span.len() - 1];
             inner.iter().for_each(|v| is_removed[v.0 as usize] = true);
             if !inner.is_empty() {
@@ -94,7 +94,7 @@ fn removable(
             }
         }
     }
-    keep_where_in_conflict(&links, new_edges, positions, weld_distance, &mut is_removed);
+    keep_where_in_conflict(&links, new_edges, positions, edge_distance, &mut is_removed);
     is_removed
 }
 
@@ -156,11 +156,11 @@ fn chains(links: &[Link], around: &[Vec<usize>], is_plain: &[bool]) -> Vec<Vec<V
     chains
 }
 
-/// Cuts a chain into spans whose inner vertices lie within `weld_distance` of the line between the span's ends.
+/// Cuts a chain into spans whose inner vertices lie within `edge_distance` of the line between the span's ends.
 fn spans<'a>(
     chain: &'a [VertexId],
     positions: &Positions,
-    weld_distance: f64,
+    edge_distance: f64,
 ) -> Vec<&'a [VertexId]> {
     let mut done = Vec::new();
     let mut open = vec![chain];
@@ -174,7 +174,7 @@ fn spans<'a>(
                 .then(span[j].cmp(&span[i]))
         });
         match farthest {
-            Some(i) if off(span[i]) > weld_distance => {
+            Some(i) if off(span[i]) > edge_distance => {
                 open.push(&span[i..]);
                 open.push(&span[..=i]);
             }
@@ -196,7 +196,7 @@ fn keep_where_in_conflict(
     links: &[Link],
     mut new_edges: Vec<NewEdge>,
     positions: &Positions,
-    weld_distance: f64,
+    edge_distance: f64,
     is_removed: &mut [bool],
 ) {
     new_edges.sort_unstable();
@@ -222,9 +222,9 @@ fn keep_where_in_conflict(
             .map(|(i, &NewEdge { ends, .. })| {
                 let [a, b] = ends.map(|v| positions[v]);
                 let mut meets_vertex = false;
-                tree.near_segment(a, b, weld_distance, &mut |v| {
+                tree.near_segment(a, b, edge_distance, &mut |v| {
                     meets_vertex |= !ends.contains(&v)
-                        && distance_to_segment(a, b, positions[v]) <= weld_distance;
+                        && distance_to_segment(a, b, positions[v]) <= edge_distance;
                 });
                 meets_vertex
                     || is_twin(i.checked_sub(1), ends)

@@ -5,31 +5,29 @@ use super::point_tree::PointTree;
 use crate::scene::VertexId;
 use rayon::prelude::*;
 
-/// Rounds before giving up. An insertion bends an edge by up to the weld distance, which can bring one more vertex
-/// within reach; scenes settle in two rounds, and only a cloud of points a weld distance apart could go on.
-const MAX_ROUNDS: usize = 8;
-
 /// What [`insert_vertices`] did.
 #[derive(Default)]
 pub(super) struct TJunctions {
     /// Vertices inserted, each counted once an edge.
     pub(super) inserted: usize,
-    /// Polygons that collapsed by it: they were narrower than the weld distance somewhere.
+    /// Polygons that collapsed by it: they were narrower than the edge distance somewhere.
     pub(super) collapsed: usize,
-    /// True when no insertion was left to do.
-    pub(super) is_settled: bool,
 }
 
-/// Inserts each vertex within `weld_distance` of the interior of an edge into that edge, and drops what collapses.
+/// Inserts each vertex within `edge_distance` (`e`) of the interior of an edge into that edge, and drops what collapses.
+///
+/// An insertion bends an edge by up to `e`, which can bring more vertices within reach, so it goes on in rounds. It ends,
+/// because vertices lie more than `2e` apart: the foot of one at most `e` from an edge of length `L` is more than `√3 e`
+/// from both ends, so either part `l` of the edge is shorter, `l² < (L − √3 e)² + e² < L² − 8 e²`.
 pub(super) fn insert_vertices(
     pieces: &mut Vec<Piece>,
     positions: &Positions,
-    weld_distance: f64,
+    edge_distance: f64,
 ) -> TJunctions {
     let mut report = TJunctions::default();
     let tree = PointTree::new(positions, used_vertices(pieces, positions.len()));
     let mut tested: Vec<Edge> = Vec::new();
-    for _ in 0..MAX_ROUNDS {
+    loop {
         // Only edges that the last round made need a test, against vertices that some polygon still has.
         let mut is_used = vec![false; positions.len()];
         mark_used(pieces, &mut is_used);
@@ -39,9 +37,8 @@ pub(super) fn insert_vertices(
             .copied()
             .filter(|e| tested.binary_search(e).is_err())
             .collect();
-        let splits = find_splits(&fresh, &tree, positions, &is_used, weld_distance);
+        let splits = find_splits(&fresh, &tree, positions, &is_used, edge_distance);
         if splits.is_empty() {
-            report.is_settled = true;
             return report;
         }
         report.inserted += splits.iter().map(|s| s.inner.len()).sum::<usize>();
@@ -49,13 +46,12 @@ pub(super) fn insert_vertices(
             split_edges(piece, &splits);
         }
         let before = pieces.len();
-        pieces.retain(|p| p.shape(positions, weld_distance) == Shape::Sound);
+        pieces.retain(|p| p.shape(positions, edge_distance) == Shape::Sound);
         report.collapsed += before - pieces.len();
         // A split edge can come back as part of a longer one: it is not done with.
         tested = edges;
         tested.retain(|e| splits.binary_search_by_key(e, |s| s.edge).is_err());
     }
-    report
 }
 
 type Edge = (VertexId, VertexId);
@@ -98,7 +94,7 @@ fn find_splits(
     tree: &PointTree<'_>,
     positions: &Positions,
     is_used: &[bool],
-    weld_distance: f64,
+    edge_distance: f64,
 ) -> Vec<Split> {
     edges
         .par_iter()
@@ -107,14 +103,14 @@ fn find_splits(
             let along = (b - a).normalize();
             let length = a.distance(b);
             let mut inner = Vec::new();
-            tree.near_segment(a, b, weld_distance, &mut |v| {
+            tree.near_segment(a, b, edge_distance, &mut |v| {
                 if v == from || v == to || !is_used[v.0 as usize] {
                     return;
                 }
                 let p = positions[v] - a;
                 let t = p.dot(along);
                 // Vertices keep their distance from the ends by welding, so a foot inside means inside.
-                if t > 0.0 && t < length && (p - along * t).length() <= weld_distance {
+                if t > 0.0 && t < length && (p - along * t).length() <= edge_distance {
                     inner.push((t, v));
                 }
             });

@@ -81,7 +81,10 @@ fn removable(
         .collect();
     let mut is_removed = vec![false; positions.len()];
     let mut new_edges = Vec::new();
-    for chain in chains(&links, &around, &is_plain) {
+    for mut chain in chains(&links, &around, &is_plain) {
+        if is_plain[chain[0].0 as usize] {
+            start_ring_at_corner(&mut chain, positions);
+        }
         for span in spans(&chain, positions, edge_distance) {
             let inner = &span[1..span.len() - 1];
             inner.iter().for_each(|v| is_removed[v.0 as usize] = true);
@@ -154,6 +157,17 @@ fn chains(links: &[Link], around: &[Vec<usize>], is_plain: &[bool]) -> Vec<Vec<V
     }
     chains.retain(|c| c.len() > 2);
     chains
+}
+
+/// Turns a ring of plain vertices so that it starts and ends at the one farthest from its first: that one is a corner,
+/// while the first may lie in the middle of a straight edge.
+fn start_ring_at_corner(ring: &mut Vec<VertexId>, positions: &Positions) {
+    let first = positions[ring[0]];
+    let distance = |i: usize| positions[ring[i]].distance_squared(first);
+    let corner = (0..ring.len()).max_by(|&i, &j| distance(i).total_cmp(&distance(j)));
+    ring.pop();
+    ring.rotate_left(corner.unwrap_or(0));
+    ring.push(ring[0]);
 }
 
 /// Cuts a chain into spans whose inner vertices lie within `edge_distance` of the line between the span's ends.

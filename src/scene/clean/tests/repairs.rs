@@ -193,3 +193,22 @@ fn nothing_left_is_bad_input() {
     let broken = soup(&[[0.0; 3]], &[(&[0, 1, 2], GREY)]);
     assert!(clean(&broken, &CleanSettings::default()).is_err());
 }
+
+#[test]
+fn a_lone_square_keeps_its_corners_only() {
+    // The first vertex, where a walk around it starts, is not one of them.
+    let raw = soup(
+        &[
+            [1.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 1.0, 0.0],
+            [2.0, 2.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [0.0, 0.5, 0.0],
+            [0.0, 0.0, 0.0],
+        ],
+        &[(&[0, 1, 2, 3, 4, 5, 6], GREY)],
+    );
+    let (scene, report) = cleaned(&raw);
+    assert_eq!((report.straightened, scene.vertices.len()), (3, 4));
+}

@@ -176,26 +176,32 @@ fn spans<'a>(
     positions: &Positions,
     edge_distance: f64,
 ) -> Vec<&'a [VertexId]> {
-    let mut done = Vec::new();
-    let mut open = vec![chain];
-    while let Some(span) = open.pop() {
-        let (a, b) = (positions[span[0]], positions[span[span.len() - 1]]);
-        // The ends of a ring coincide: the distance is then that from the point, and a ring is always cut.
-        let off = |v: VertexId| distance_to_segment(a, b, positions[v]);
-        let farthest = (1..span.len() - 1).max_by(|&i, &j| {
-            off(span[i])
-                .total_cmp(&off(span[j]))
-                .then(span[j].cmp(&span[i]))
-        });
-        match farthest {
-            Some(i) if off(span[i]) > edge_distance => {
-                open.push(&span[i..]);
-                open.push(&span[..=i]);
-            }
-            _ => done.push(span),
+    // The ends of a ring coincide: the distance is then that from the point, and a ring is always cut.
+    let farthest = |start: usize, end: usize| {
+        let (a, b) = (positions[chain[start]], positions[chain[end]]);
+        (start + 1..end)
+            .map(|i| (i, distance_to_segment(a, b, positions[chain[i]])))
+            .max_by(|(i, d), (j, e)| d.total_cmp(e).then(chain[*j].cmp(&chain[*i])))
+            .filter(|&(_, d)| d > edge_distance)
+    };
+    // Indices of both ends of each span, in order.
+    let mut done: Vec<(usize, usize)> = Vec::new();
+    let mut open = vec![(0, chain.len() - 1)];
+    while let Some((start, end)) = open.pop() {
+        if let Some((i, _)) = farthest(start, end) {
+            open.push((i, end));
+            open.push((start, i));
+            continue;
+        }
+        // On a line parallel to the one between the ends all vertices are farthest: a cut in its middle heals here.
+        match done.last_mut() {
+            Some(last) if farthest(last.0, end).is_none() => last.1 = end,
+            _ => done.push((start, end)),
         }
     }
-    done
+    done.into_iter()
+        .map(|(start, end)| &chain[start..=end])
+        .collect()
 }
 
 /// An edge that replaces a chain.

@@ -212,3 +212,22 @@ fn a_lone_square_keeps_its_corners_only() {
     let (scene, report) = cleaned(&raw);
     assert_eq!((report.straightened, scene.vertices.len()), (3, 4));
 }
+
+#[test]
+fn a_straight_run_parallel_to_the_chain_thins_too() {
+    // Between the two ends of the fin the outline makes a detour whose far side has a vertex in its middle.
+    let raw = soup(
+        &[
+            [0.0, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+            [2.0, 1.0, 0.0],
+            [1.5, 1.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [3.0, 0.0, 1.0],
+        ],
+        &[(&[0, 1, 2, 3, 4], GREY), (&[0, 5, 6, 1], GREY)],
+    );
+    let (scene, report) = cleaned(&raw);
+    assert_eq!((report.straightened, scene.vertices.len()), (1, 6));
+}

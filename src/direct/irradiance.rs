@@ -10,21 +10,27 @@ use std::f64::consts::TAU;
 /// subtends and `Γᵢ` the unit normal of the plane through the origin and that edge. The corners turn counter-clockwise
 /// seen from the origin; loops may be simply concatenated edge by edge. Occlusion is the caller's business.
 pub fn form_factor_of_directions(n: DVec3, corners: &[DVec3]) -> f64 {
-    let mut sum = 0.0;
     let Some(&last) = corners.last() else {
         return 0.0;
     };
-    let mut a = last;
+    let (mut sum, mut a) = (0.0, last);
     for &b in corners {
-        let cross = b.cross(a);
-        let sine = cross.length();
-        // A corner at the viewpoint, or an edge towards it, subtends nothing.
-        if sine > 0.0 {
-            sum += sine.atan2(a.dot(b)) / sine * n.dot(cross);
-        }
+        sum += edge_term(n, a, b);
         a = b;
     }
     sum / TAU
+}
+
+/// The term `θ n·Γ` of the edge from direction `a` to direction `b`; the opposite edge has its negative, to the last bit.
+pub fn edge_term(n: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let cross = b.cross(a);
+    let sine = cross.length();
+    // A corner at the viewpoint, or an edge towards it, subtends nothing.
+    if sine > 0.0 {
+        sine.atan2(a.dot(b)) / sine * n.dot(cross)
+    } else {
+        0.0
+    }
 }
 
 /// [`form_factor_of_directions`] for corners in space, seen from `p`.

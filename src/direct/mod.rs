@@ -4,4 +4,4 @@ mod emitters;
 mod irradiance;
 
 pub use emitters::{DirectLight, EmitterPolygon};
-pub use irradiance::{form_factor, form_factor_of_directions};
+pub use irradiance::{edge_term, form_factor, form_factor_of_directions};

@@ -18,8 +18,11 @@ pub struct Measured {
     pub relative_max: f64,
     /// Mean irradiance, W/m².
     pub mean: f64,
-    /// Relative RMS error of the direct part alone.
-    pub relative_rms_direct: f64,
+    /// Relative RMS error of interpolating over the display mesh what is known of the light (exact direct light and the
+    /// interpolated indirect field).
+    pub relative_rms_mesh: f64,
+    /// Relative RMS error of the indirect field against gathering.
+    pub relative_rms_field: f64,
 }
 
 /// A permuted congruential generator (O'Neill 2014, XSH RR 64/32): the same points for the same seed on every machine.
@@ -89,8 +92,8 @@ fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
 
 pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
     let samples = samples(solution, n, seed);
-    // (shown − exact) for total and direct light, and the exact total.
-    let found: Vec<[Irradiance; 3]> = samples
+    // Shown − exact, shown − (direct + field), field − gathered, and exact.
+    let found: Vec<[Irradiance; 4]> = samples
         .par_iter()
         .map_init(
             || {
@@ -105,20 +108,27 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
                 let w = s.weights;
                 let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
                 let direct = solution.direct.irradiance(&view, scratch);
-                let indirect = match (&solution.indirect, gatherer) {
-                    (Some(field), Some(g)) => field.gather(g, &view),
-                    _ => Irradiance::ZERO,
+                let (indirect, field) = match (&solution.indirect, gatherer, r.solve_face) {
+                    (Some(field), Some(g), Some(f)) => {
+                        let p = r.domain.frame.to_plane(view.position);
+                        (field.gather(g, &view), field.at(f, p))
+                    }
+                    _ => (Irradiance::ZERO, Irradiance::ZERO),
                 };
-                let sites = r.mesh.sites[s.element].map(|i| r.direct[i as usize]);
-                let shown_direct = sites[0] * w[0] + sites[1] * w[1] + sites[2] * w[2];
+                let shown = r.shown(s.element, w);
                 let exact = direct + indirect;
-                [r.shown(s.element, w) - exact, shown_direct - direct, exact]
+                [
+                    shown - exact,
+                    shown - (direct + field),
+                    field - indirect,
+                    exact,
+                ]
             },
         )
         .collect();
     let count = found.len().max(1) as f64;
     // Summed in order, so that the figure does not depend on the number of threads.
-    let mean = found.iter().map(|f| f[2].mean()).sum::<f64>() / count;
+    let mean = found.iter().map(|f| f[3].mean()).sum::<f64>() / count;
     let rms = |k: usize| (found.iter().map(|f| f[k].0.mean_square()).sum::<f64>() / count).sqrt();
     let largest = found
         .iter()
@@ -131,6 +141,7 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
         relative_rms: relative(rms(0)),
         relative_max: relative(largest),
         mean,
-        relative_rms_direct: relative(rms(1)),
+        relative_rms_mesh: relative(rms(1)),
+        relative_rms_field: relative(rms(2)),
     }
 }

@@ -48,9 +48,13 @@ const LATTICE_TRIANGLE: f64 = 0.433;
 /// of a large face; shadows announce themselves by their lines.
 const START_SPACING: f64 = 1.0 / 12.0;
 
-/// Share of the permitted error that interpolation over the display mesh may use; the rest is left to the solution of the
-/// indirect light (errors add in squares).
-const DISPLAY_SHARE: f64 = 0.9;
+/// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
+/// squares, and the rest is left to the solution.
+const DISPLAY_SHARE: f64 = 0.8;
+const FIELD_SHARE: f64 = 0.45;
+
+/// A part that exceeded its share is asked for so much more than its excess.
+const MISSED_MARGIN: f64 = 0.9;
 
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
 const MAX_ROUNDS: usize = 4;
@@ -158,7 +162,7 @@ pub fn light<'a>(
             r
         })
         .collect();
-    let mut target = settings.error * DISPLAY_SHARE;
+    let target = settings.error * DISPLAY_SHARE;
     let before = Illumination {
         direct: &direct,
         indirect: None,
@@ -185,7 +189,6 @@ pub fn light<'a>(
         clock.start("gather", &mut summary);
         let field = IndirectField::new(mesh, &world.blockers, &transport, radiosity);
         indirect = Some(field);
-        receivers.iter_mut().for_each(Receiver::relight);
     }
 
     let mut solution = Solution {
@@ -196,24 +199,41 @@ pub fn light<'a>(
         summary: Summary::default(),
         settings: settings.clone(),
     };
+    let mean = solution.mean() + mean_indirect;
+    let (mut display, mut gathered) = (DISPLAY_SHARE, FIELD_SHARE);
     for round in 0..MAX_ROUNDS {
+        if let Some(field) = &mut solution.indirect {
+            clock.start("gather", &mut summary);
+            field.refine(settings.error * gathered * mean, |f| clock.tick(f))?;
+            solution.receivers.iter_mut().for_each(Receiver::relight);
+        }
         clock.start("display mesh", &mut summary);
         let light = Illumination {
             direct: &solution.direct,
             indirect: solution.indirect.as_ref(),
         };
+        let target = settings.error * display;
         let report = adapt::refine(&mut solution.receivers, &light, target, 0.0, |f| {
             clock.tick(f)
         })?;
         summary.adapt.add(&report);
         clock.start("measure", &mut summary);
-        summary.measured = solution.measure(settings.samples, settings.seed + round as u64);
+        let measured = solution.measure(settings.samples, settings.seed + round as u64);
+        summary.measured = measured;
         summary.rounds = round + 1;
-        if summary.measured.relative_rms <= settings.error {
+        if measured.relative_rms <= settings.error {
             break;
         }
-        // What the estimate missed is asked for on top.
-        target *= DISPLAY_SHARE * settings.error / summary.measured.relative_rms;
+        // What an estimate has missed is asked for on top, of that part which exceeds its share.
+        let ask_more = |share: f64, found: f64, allowed: f64| {
+            if found > allowed * settings.error {
+                share * (allowed * settings.error / found).max(0.25) * MISSED_MARGIN
+            } else {
+                share
+            }
+        };
+        display = ask_more(display, measured.relative_rms_mesh, DISPLAY_SHARE);
+        gathered = ask_more(gathered, measured.relative_rms_field, FIELD_SHARE);
     }
     clock.finish(&mut summary);
     summary.fill(&solution, &is_lit, &sides);
@@ -293,7 +313,7 @@ fn solve_mesh(
             (domain, scene.material_of(face).reflectance)
         })
         .collect();
-    SolveMesh::new(domains, spacing)
+    SolveMesh::new(domains, spacing, error)
 }
 
 /// Exact direct light at every site of the solve mesh.
@@ -361,6 +381,16 @@ impl Solution<'_> {
     /// Compares what the mesh shows with what is there, at stratified random points of the lit surfaces.
     pub fn measure(&self, samples: u32, seed: u64) -> Measured {
         measure::measure(self, samples, seed)
+    }
+
+    /// Mean direct and indirect irradiance that the meshes show over the lit surfaces, W/m².
+    fn mean(&self) -> f64 {
+        let (mut power, mut area) = (0.0, 0.0);
+        for r in self.receivers.iter().filter(|r| r.is_lit) {
+            power += r.power().mean();
+            area += r.area();
+        }
+        if area > 0.0 { power / area } else { 0.0 }
     }
 
     /// The meshes with their light, neighbours sharing their vertices, ready to be written.

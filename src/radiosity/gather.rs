@@ -1,10 +1,17 @@
 //! One row of the transport: what a point sees of the solve mesh, exactly.
+//!
+//! Face by face: the parts that may stand between are found once for the face, their cones built once; an element that no
+//! cone touches gets its form factor from the angles of its edges, each computed once for the two elements it borders;
+//! only elements in partial view are clipped.
 
+use super::solve_mesh::SolveTriangle;
 use super::{SolveFace, SolveMesh};
-use crate::direct::form_factor_of_directions;
+use crate::direct::{edge_term, form_factor_of_directions};
 use crate::mesh::barycentric;
-use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
+use crate::visibility::{Blockers, Cone, Scratch, Target, Viewpoint};
 use glam::DVec3;
+use smallvec::SmallVec;
+use std::f64::consts::TAU;
 
 /// A source face this many times farther than its radius is taken as a whole, with its mean radiosity: over it the
 /// kernel then varies by less than an eighth.
@@ -15,6 +22,9 @@ const PIECE_SHARE: f64 = 0.5;
 
 /// Divisions of a piece at most: each halves its width, so that the last ones matter for 4⁻⁵ of the element.
 const MAX_DIVISIONS: u32 = 5;
+
+/// Up to so many blockers an element in partial view is clipped exactly, however small it looks.
+const FEW_BLOCKERS: usize = 4;
 
 /// Coefficients of one row: `H = Σ weight · R[site] + Σ weight · mean R of a face`.
 #[derive(Clone, Debug, Default)]
@@ -37,9 +47,22 @@ pub struct Gatherer<'a> {
     mesh: &'a SolveMesh,
     blockers: &'a Blockers,
     scratch: Scratch,
-    weights: Vec<f64>,
-    touched: Vec<u32>,
+    weights: Weights,
     candidates: Vec<u32>,
+    cones: Vec<Cone>,
+    /// Of the face at hand: directions to its vertices, their heights above the horizon, the terms of its edges, and for
+    /// each cone and vertex the sides of the cone that it lies beyond.
+    directions: Vec<DVec3>,
+    heights: Vec<f64>,
+    terms: Vec<f64>,
+    beyond: Vec<u16>,
+}
+
+/// What the cones do to an element.
+enum Sight {
+    Clear,
+    Hidden,
+    Partial,
 }
 
 impl<'a> Gatherer<'a> {
@@ -49,9 +72,16 @@ impl<'a> Gatherer<'a> {
             mesh,
             blockers,
             scratch: Scratch::default(),
-            weights: vec![0.0; mesh.site_count()],
-            touched: Vec::new(),
+            weights: Weights {
+                values: vec![0.0; mesh.site_count()],
+                touched: Vec::new(),
+            },
             candidates: Vec::new(),
+            cones: Vec::new(),
+            directions: Vec::new(),
+            heights: Vec::new(),
+            terms: Vec::new(),
+            beyond: Vec::new(),
         }
     }
 
@@ -60,91 +90,262 @@ impl<'a> Gatherer<'a> {
         let mut row = Row::default();
         let mesh = self.mesh;
         for (i, source) in mesh.faces.iter().enumerate() {
-            if source.reflectance.is_black() || source.triangles.is_empty() {
-                continue;
-            }
-            let to_centre = source.centre - view.position;
-            if source.plane.distance(view.position) <= self.blockers.roundoff()
-                || view.horizon.normal.dot(to_centre) <= -source.radius
+            if source.reflectance.is_black()
+                || source.triangles.is_empty()
+                || source.plane.distance(view.position) <= self.blockers.roundoff()
             {
                 continue;
             }
-            let mut candidates = std::mem::take(&mut self.candidates);
-            candidates.clear();
-            self.blockers
-                .collect(view, source.region(view), source.plane, &mut candidates);
-            if to_centre.length() > FAR_IN_RADII * source.radius {
-                let f = self.whole(view, source, &candidates);
-                if f > 0.0 {
-                    row.faces.push((i as u32, f));
-                }
-            } else {
-                for e in 0..source.triangles.len() {
-                    self.element(view, source, e, &candidates);
+            let to_centre = source.centre - view.position;
+            if view.horizon.normal.dot(to_centre) <= -source.radius || !self.look_at(view, source) {
+                continue;
+            }
+            let is_far = to_centre.length() > FAR_IN_RADII * source.radius;
+            let mut whole = 0.0;
+            for (e, t) in source.triangles.iter().enumerate() {
+                match self.sight(source, t) {
+                    Sight::Hidden => {}
+                    Sight::Clear => self.clear(view, source, e, is_far, &mut whole),
+                    Sight::Partial => self.partial(view, source, e, is_far, &mut whole),
                 }
             }
-            self.candidates = candidates;
+            if whole > 0.0 {
+                row.faces.push((i as u32, whole));
+            }
         }
-        self.touched.sort_unstable();
-        self.touched.dedup();
-        for s in self.touched.drain(..) {
-            row.sites.push((s, self.weights[s as usize]));
-            self.weights[s as usize] = 0.0;
-        }
+        row.sites = self.weights.drain();
         row
     }
 
-    /// Form factor of what is visible of all elements of a face.
-    fn whole(&mut self, view: &Viewpoint, source: &SolveFace, candidates: &[u32]) -> f64 {
-        let mut f = 0.0;
-        for triangle in &source.triangles {
-            let target = Target {
-                corners: triangle,
-                plane: source.plane,
-            };
-            self.scratch
-                .visible_pieces_past(self.blockers, candidates, view, target, |piece| {
-                    f += form_factor_of_directions(view.horizon.normal, piece);
-                });
+    /// Prepares everything about one source face that its elements share; false when none of it is above the horizon.
+    fn look_at(&mut self, view: &Viewpoint, source: &SolveFace) -> bool {
+        self.directions.clear();
+        self.directions
+            .extend(source.positions.iter().map(|&p| p - view.position));
+        self.heights.clear();
+        self.heights
+            .extend(self.directions.iter().map(|d| view.horizon.normal.dot(*d)));
+        if !self.heights.iter().any(|&h| h > 0.0) {
+            return false;
         }
-        f.max(0.0)
+        self.candidates.clear();
+        self.blockers.collect(
+            view,
+            source.region(view),
+            source.plane,
+            &mut self.candidates,
+        );
+        self.cones.clear();
+        self.blockers
+            .cones(&self.candidates, view, source.plane, &mut self.cones);
+        self.beyond.clear();
+        for cone in &self.cones {
+            self.beyond
+                .extend(self.directions.iter().map(|&d| cone.outside(d)));
+        }
+        self.terms.clear();
+        self.terms.extend(source.edges.iter().map(|&[a, b]| {
+            edge_term(
+                view.horizon.normal,
+                self.directions[a as usize],
+                self.directions[b as usize],
+            )
+        }));
+        true
     }
 
-    /// Adds the weights of one element's sites.
-    fn element(&mut self, view: &Viewpoint, source: &SolveFace, e: usize, candidates: &[u32]) {
-        let corners = source.mesh.corners(e);
-        let weigh =
-            |d: DVec3| barycentric(corners, source.domain.frame.to_plane(view.position + d));
+    fn sight(&self, source: &SolveFace, t: &SolveTriangle) -> Sight {
+        let [a, b, c] = t.vertices.map(|v| v as usize);
+        let (ha, hb, hc) = (self.heights[a], self.heights[b], self.heights[c]);
+        if ha <= 0.0 && hb <= 0.0 && hc <= 0.0 {
+            return Sight::Hidden;
+        }
+        let n = source.positions.len();
+        let mut is_touched = ha < 0.0 || hb < 0.0 || hc < 0.0;
+        for (i, cone) in self.cones.iter().enumerate() {
+            let [x, y, z] = [a, b, c].map(|v| self.beyond[i * n + v]);
+            // A cone is convex: with all corners inside it the whole element is.
+            if x | y | z == 0 && cone.is_simple() {
+                return Sight::Hidden;
+            }
+            is_touched |= x & y & z == 0;
+        }
+        if is_touched {
+            Sight::Partial
+        } else {
+            Sight::Clear
+        }
+    }
+
+    /// Adds an element in full view.
+    fn clear(
+        &mut self,
+        view: &Viewpoint,
+        source: &SolveFace,
+        e: usize,
+        is_far: bool,
+        whole: &mut f64,
+    ) {
+        let t = &source.triangles[e];
+        let corners = t.vertices.map(|v| self.directions[v as usize]);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        if !is_far && t.width_squared > PIECE_SHARE * PIECE_SHARE * middle.length_squared() {
+            let mut sum = [0.0; 3];
+            let weigh = weights_on(source, view, e);
+            accumulate(view.horizon.normal, corners, 0, &weigh, &mut sum);
+            self.weights.add(source, source.mesh.sites[e], sum);
+            return;
+        }
+        let f = t
+            .edges
+            .iter()
+            .map(|&(edge, is_along)| {
+                let term = self.terms[edge as usize];
+                if is_along { term } else { -term }
+            })
+            .sum::<f64>()
+            / TAU;
+        if is_far {
+            *whole += f;
+        } else {
+            // At the middle of an undivided element the three basis functions are equal.
+            self.weights.add(source, t.sites, [f / 3.0; 3]);
+        }
+    }
+
+    /// Adds what is visible of an element in partial view.
+    fn partial(
+        &mut self,
+        view: &Viewpoint,
+        source: &SolveFace,
+        e: usize,
+        is_far: bool,
+        whole: &mut f64,
+    ) {
+        let t = &source.triangles[e];
+        let n = source.positions.len();
+        let corners = t.vertices.map(|v| source.positions[v as usize]);
         let target = Target {
-            corners: &source.triangles[e],
+            corners: &corners,
             plane: source.plane,
         };
+        let cones = self.cones.iter().enumerate().filter_map(|(i, cone)| {
+            let [x, y, z] = t.vertices.map(|v| self.beyond[i * n + v as usize]);
+            (x & y & z == 0).then_some(cone)
+        });
         let mut sum = [0.0; 3];
+        let weigh = weights_on(source, view, e);
+        let normal = view.horizon.normal;
+        let cones: SmallVec<[&Cone; 16]> = cones.collect();
+        let area_bound = t.width_squared / self.directions[t.vertices[0] as usize].length_squared();
+        if cones.len() > FEW_BLOCKERS && area_bound < source.sampled_below {
+            let f = sampled(
+                normal,
+                t.vertices.map(|v| self.directions[v as usize]),
+                &cones,
+            );
+            if is_far {
+                *whole += f;
+            } else {
+                self.weights.add(source, t.sites, [f / 3.0; 3]);
+            }
+            return;
+        }
         self.scratch
-            .visible_pieces_past(self.blockers, candidates, view, target, |piece| {
-                if piece.len() == 3 {
-                    accumulate(
-                        view.horizon.normal,
-                        [piece[0], piece[1], piece[2]],
-                        0,
-                        &weigh,
-                        &mut sum,
-                    );
-                } else {
-                    for i in 1..piece.len().saturating_sub(1) {
-                        let fan = [piece[0], piece[i], piece[i + 1]];
-                        accumulate(view.horizon.normal, fan, 0, &weigh, &mut sum);
-                    }
+            .visible_past(cones.into_iter(), view, target, |piece| {
+                if is_far {
+                    *whole += form_factor_of_directions(normal, piece);
+                    return;
+                }
+                for i in 1..piece.len() - 1 {
+                    let fan = [piece[0], piece[i], piece[i + 1]];
+                    accumulate(normal, fan, 0, &weigh, &mut sum);
                 }
             });
-        for (k, &s) in source.mesh.sites[e].iter().enumerate() {
-            if sum[k] != 0.0 {
+        self.weights.add(source, source.mesh.sites[e], sum);
+    }
+}
+
+/// The row under construction: a dense buffer of weights and the sites it holds.
+#[derive(Default)]
+struct Weights {
+    values: Vec<f64>,
+    touched: Vec<u32>,
+}
+
+impl Weights {
+    fn add(&mut self, source: &SolveFace, sites: [u32; 3], weights: [f64; 3]) {
+        for (s, w) in sites.into_iter().zip(weights) {
+            if w != 0.0 {
                 let site = source.first_site + s as usize;
                 self.touched.push(site as u32);
-                self.weights[site] += sum[k];
+                self.values[site] += w;
             }
         }
     }
+
+    /// The nonzero weights in order; the buffer is empty again.
+    fn drain(&mut self) -> Vec<(u32, f64)> {
+        self.touched.sort_unstable();
+        self.touched.dedup();
+        let mut out = Vec::with_capacity(self.touched.len());
+        for s in self.touched.drain(..) {
+            out.push((s, std::mem::take(&mut self.values[s as usize])));
+        }
+        out
+    }
+}
+
+/// The form factor of a triangle of directions by the share of its sixteen equal parts whose middles no cone hides.
+fn sampled(n: DVec3, t: [DVec3; 3], cones: &[&Cone]) -> f64 {
+    if t.iter().any(|d| n.dot(*d) < 0.0) {
+        // Near the horizon the cosine is next to nothing.
+        return 0.0;
+    }
+    let seen = SAMPLE_WEIGHTS
+        .iter()
+        .filter(|w| {
+            let d = t[0] * w[0] + t[1] * w[1] + t[2] * w[2];
+            !cones.iter().any(|c| c.hides(d))
+        })
+        .count();
+    form_factor_of_directions(n, &t) * seen as f64 / SAMPLE_WEIGHTS.len() as f64
+}
+
+/// Middles of the sixteen triangles that two halvings of the edges make: barycentric coordinates.
+const SAMPLE_WEIGHTS: [[f64; 3]; 16] = {
+    let mut w = [[0.0; 3]; 16];
+    let (mut k, mut i) = (0, 0);
+    while i < 4 {
+        let mut j = 0;
+        while i + j < 4 {
+            // Upright triangles, then the inverted ones between them.
+            let (a, b) = (i as f64, j as f64);
+            w[k] = [
+                (a + 1.0 / 3.0) / 4.0,
+                (b + 1.0 / 3.0) / 4.0,
+                1.0 - (a + b + 2.0 / 3.0) / 4.0,
+            ];
+            k += 1;
+            if i + j < 3 {
+                w[k] = [
+                    (a + 2.0 / 3.0) / 4.0,
+                    (b + 2.0 / 3.0) / 4.0,
+                    1.0 - (a + b + 4.0 / 3.0) / 4.0,
+                ];
+                k += 1;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    w
+};
+
+/// The basis functions of element `e` in a direction from `view`, in the order of the mesh's own corners.
+fn weights_on(source: &SolveFace, view: &Viewpoint, e: usize) -> impl Fn(DVec3) -> [f64; 3] {
+    let (corners, frame, eye) = (source.mesh.corners(e), source.domain.frame, view.position);
+    move |d| barycentric(corners, frame.to_plane(eye + d))
 }
 
 /// Splits the form factor of a triangle of directions by the basis functions at its middle, dividing wide ones.

@@ -8,6 +8,7 @@
 //! solving coarsely and displaying finely; Atkinson & Chien (1998) for collocation of the occluded equation.
 
 mod field;
+mod field_face;
 mod gather;
 mod locator;
 mod project;

@@ -32,7 +32,10 @@ const MAX_SWEEPS: usize = 20_000;
 
 /// The transport operator on a solve mesh.
 pub struct Transport {
+    /// One for each site, but for uniform faces one for all sites of the face.
     rows: Vec<Row>,
+    row_of: Vec<u32>,
+    uniform: Vec<bool>,
     /// For each face its sites' shares of the area: the mean of a face's radiosity.
     shares: Vec<Vec<(u32, f64)>>,
 }
@@ -40,15 +43,24 @@ pub struct Transport {
 impl Transport {
     /// Computes every row, in parallel.
     pub fn new(mesh: &SolveMesh, blockers: &Blockers) -> Self {
-        let mut jobs = Vec::with_capacity(mesh.site_count());
-        for (f, face) in mesh.faces.iter().enumerate() {
-            jobs.extend((0..face.mesh.site_vertices.len()).map(|s| (f, s)));
+        let mut views = Vec::with_capacity(mesh.site_count());
+        let mut row_of = Vec::with_capacity(mesh.site_count());
+        for face in &mesh.faces {
+            let n = face.mesh.site_vertices.len();
+            let middle = face.is_small.then(|| face.middle()).flatten();
+            if let Some(middle) = middle {
+                row_of.extend((0..n).map(|_| views.len() as u32));
+                views.push(face.view(middle));
+            } else {
+                row_of.extend((0..n).map(|s| (views.len() + s) as u32));
+                views.extend((0..n).map(|s| face.site_view(s)));
+            }
         }
-        let rows = jobs
+        let rows = views
             .par_iter()
             .map_init(
                 || Gatherer::new(mesh, blockers),
-                |gatherer, &(f, s)| gatherer.row(&mesh.faces[f].site_view(s)),
+                |gatherer, view| gatherer.row(view),
             )
             .collect();
         let shares = mesh
@@ -70,7 +82,12 @@ impl Transport {
                     .collect()
             })
             .collect();
-        Self { rows, shares }
+        Self {
+            rows,
+            row_of,
+            uniform: mesh.faces.iter().map(|f| f.is_small).collect(),
+            shares,
+        }
     }
 
     /// Number of nonzero coefficients.
@@ -83,7 +100,17 @@ impl Transport {
 
     /// Sum of the weights of the row of `site`.
     pub fn row_sum(&self, site: usize) -> f64 {
-        self.rows[site].sum()
+        self.rows[self.row_of[site] as usize].sum()
+    }
+
+    /// Number of rows.
+    pub fn row_count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// True when all sites of solve face `f` share one row.
+    pub fn is_uniform(&self, f: usize) -> bool {
+        self.uniform[f]
     }
 
     /// Area-weighted mean of a nodal field over each face.
@@ -134,7 +161,8 @@ impl Transport {
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for i in 0..radiosity.len() {
                 let source = before.as_deref().unwrap_or(&radiosity);
-                let new = reflect(i, apply(&self.rows[i], source, &means));
+                let row = &self.rows[self.row_of[i] as usize];
+                let new = reflect(i, apply(row, source, &means));
                 change = change.max((new - radiosity[i]).0.0.abs().max_element());
                 largest = largest.max(new.0.0.max_element());
                 radiosity[i] = new;
@@ -152,10 +180,12 @@ impl Transport {
     /// Indirect irradiance at every site from the radiosity.
     pub fn apply_all(&self, radiosity: &[Radiosity]) -> Vec<Irradiance> {
         let means = self.face_means(radiosity);
-        self.rows
+        let values: Vec<Irradiance> = self
+            .rows
             .iter()
             .map(|r| apply(r, radiosity, &means))
-            .collect()
+            .collect();
+        self.row_of.iter().map(|&r| values[r as usize]).collect()
     }
 }
 

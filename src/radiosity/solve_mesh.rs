@@ -8,6 +8,13 @@ use crate::scene::FaceSide;
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 
+/// Share of the error asked for that one sampled element may look wide: sixteen samples are right to a few per cent of
+/// its form factor, and the mistakes of many elements cancel.
+const SAMPLED_SHARE: f64 = 0.5;
+
+/// A face with a radius below this share of the solve mesh's spacing has one value.
+const SMALL_SHARE: f64 = 0.25;
+
 /// One side of one face in the solve mesh.
 pub struct SolveFace {
     /// Geometry.
@@ -20,14 +27,33 @@ pub struct SolveFace {
     pub first_site: usize,
     /// Plane, normal towards the lit side.
     pub plane: Plane,
-    /// Elements' corners in space, counter-clockwise seen from the lit side.
-    pub(super) triangles: Vec<[DVec3; 3]>,
+    /// Vertices in space, metres.
+    pub(super) positions: Vec<DVec3>,
+    /// Elements, counter-clockwise seen from the lit side, with the value sites of these corners.
+    pub(super) triangles: Vec<SolveTriangle>,
+    /// Edges between vertices, each once.
+    pub(super) edges: Vec<[u32; 2]>,
     /// Sphere around all elements.
     pub(super) centre: DVec3,
     pub(super) radius: f64,
+    /// Whether it is so small that one value is enough for the solution.
+    pub(super) is_small: bool,
+    /// Elements that look smaller than this (square of their width over their distance) behind many blockers are sampled.
+    pub(super) sampled_below: f64,
     /// Bounding rectangle, counter-clockwise seen from the lit side.
     rectangle: [DVec3; 4],
     locator: Locator,
+}
+
+/// An element ready for form factors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SolveTriangle {
+    pub(super) vertices: [u32; 3],
+    pub(super) sites: [u32; 3],
+    /// The edge from each corner to the next, and whether it runs that way.
+    pub(super) edges: [(u32, bool); 3],
+    /// Square of its longest edge, m².
+    pub(super) width_squared: f64,
 }
 
 /// All sides that take part.
@@ -38,17 +64,21 @@ pub struct SolveMesh {
 }
 
 impl SolveMesh {
-    /// Meshes every domain with points `spacing` metres apart.
+    /// Meshes every domain with points `spacing` metres apart; `error` is the relative error asked for.
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
-    pub fn new(domains: Vec<(FaceDomain, Rgb)>, spacing: f64) -> Result<Self, MeshError> {
+    pub fn new(
+        domains: Vec<(FaceDomain, Rgb)>,
+        spacing: f64,
+        error: f64,
+    ) -> Result<Self, MeshError> {
         let mut faces = Vec::with_capacity(domains.len());
         let mut sites = 0;
         for (domain, reflectance) in domains {
             let points = domain.seed_points(spacing);
             let mesh = domain.mesh(&[], &points)?;
-            let face = SolveFace::new(domain, mesh, reflectance, sites);
+            let face = SolveFace::new(domain, mesh, reflectance, sites, spacing, error);
             sites += face.mesh.site_vertices.len();
             faces.push(face);
         }
@@ -76,18 +106,25 @@ impl SolveMesh {
 }
 
 impl SolveFace {
-    fn new(domain: FaceDomain, mesh: ReceiverMesh, reflectance: Rgb, first_site: usize) -> Self {
+    fn new(
+        domain: FaceDomain,
+        mesh: ReceiverMesh,
+        reflectance: Rgb,
+        first_site: usize,
+        spacing: f64,
+        error: f64,
+    ) -> Self {
         let is_front = domain.side == FaceSide::Front;
-        let triangles: Vec<[DVec3; 3]> = (0..mesh.elements.len())
-            .map(|e| {
-                let mut t = mesh.corners(e).map(|p| domain.frame.to_space(p));
-                if !is_front {
-                    t.swap(1, 2);
-                }
-                t
-            })
+        let positions: Vec<DVec3> = mesh
+            .plane
+            .iter()
+            .map(|&p| domain.frame.to_space(p))
             .collect();
-        let corners = || triangles.iter().flatten().copied();
+        let (triangles, edges) = connect(&mesh, &positions, is_front);
+        let corners = || {
+            let used = triangles.iter().flat_map(|t| t.vertices);
+            used.map(|v| positions[v as usize])
+        };
         let lo = corners().fold(DVec3::INFINITY, DVec3::min);
         let hi = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
         let (lo2, hi2) = domain.polygon().bounds();
@@ -101,7 +138,11 @@ impl SolveFace {
             locator: Locator::new(&mesh),
             centre: 0.5 * (lo + hi),
             radius: 0.5 * lo.distance(hi),
+            is_small: 0.5 * lo.distance(hi) < SMALL_SHARE * spacing,
+            sampled_below: SAMPLED_SHARE * error,
+            positions,
             triangles,
+            edges,
             rectangle,
             domain,
             mesh,
@@ -113,6 +154,13 @@ impl SolveFace {
     /// A convex region that holds every line of sight from `view` to this face: the pyramid over its bounding rectangle.
     pub(super) fn region(&self, view: &Viewpoint) -> Region {
         Region::pyramid(view.position, &self.rectangle)
+    }
+
+    /// The middle of the largest element.
+    pub(super) fn middle(&self) -> Option<DVec2> {
+        (0..self.mesh.elements.len())
+            .max_by(|&a, &b| self.mesh.area(a).total_cmp(&self.mesh.area(b)))
+            .map(|e| self.mesh.centre(e))
     }
 
     /// Where the value of local site `s` is taken.
@@ -130,4 +178,46 @@ impl SolveFace {
     pub fn locate(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
         self.locator.locate(&self.mesh, p)
     }
+}
+
+/// Elements and edges by vertex, counter-clockwise seen from the lit side.
+fn connect(
+    mesh: &ReceiverMesh,
+    positions: &[DVec3],
+    is_front: bool,
+) -> (Vec<SolveTriangle>, Vec<[u32; 2]>) {
+    let order = if is_front { [0, 1, 2] } else { [0, 2, 1] };
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * mesh.elements.len());
+    for corners in &mesh.elements {
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            edges.push([a.min(b), a.max(b)]);
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    let triangles = mesh
+        .elements
+        .iter()
+        .zip(&mesh.sites)
+        .map(|(corners, sites)| {
+            let vertices = order.map(|k| corners[k]);
+            let along = [0, 1, 2].map(|k| (vertices[k], vertices[(k + 1) % 3]));
+            SolveTriangle {
+                vertices,
+                sites: order.map(|k| sites[k]),
+                edges: along.map(|(a, b)| {
+                    let edge = edges
+                        .binary_search(&[a.min(b), a.max(b)])
+                        .expect("every edge of an element was listed");
+                    (edge as u32, a < b)
+                }),
+                width_squared: along
+                    .map(|(a, b)| positions[a as usize].distance_squared(positions[b as usize]))
+                    .into_iter()
+                    .fold(0.0, f64::max),
+            }
+        })
+        .collect();
+    (triangles, edges)
 }

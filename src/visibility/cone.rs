@@ -54,12 +54,15 @@ pub struct Scratch {
     pieces: Vec<Piece>,
     next: Vec<Piece>,
     candidates: Vec<u32>,
+    cones: Vec<Cone>,
 }
 
 /// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
-struct Cone {
+pub struct Cone {
     rim: Piece,
     sides: SmallVec<[ConeSide; 8]>,
+    /// How wide it looks: sum of the squared sines between neighbouring rim directions.
+    width: f64,
 }
 
 struct ConeSide {
@@ -68,9 +71,33 @@ struct ConeSide {
     slack: f64,
 }
 
+impl Cone {
+    /// One bit for each side of the cone that `direction` lies on or beyond; 0 inside the cone. Sides past the sixteenth
+    /// are left out, so that 0 then only says "perhaps inside".
+    pub fn outside(&self, direction: DVec3) -> u16 {
+        let length = direction.length();
+        self.sides
+            .iter()
+            .take(16)
+            .enumerate()
+            .filter(|(_, s)| s.normal.dot(direction) <= s.slack * length)
+            .fold(0, |mask, (i, _)| mask | 1 << i)
+    }
+
+    /// True when the cone hides `direction`.
+    pub fn hides(&self, direction: DVec3) -> bool {
+        self.sides.iter().all(|s| s.normal.dot(direction) > 0.0)
+    }
+
+    /// Whether [`Cone::outside`] tells inside from outside for certain.
+    pub fn is_simple(&self) -> bool {
+        self.sides.len() <= 16
+    }
+}
+
 impl Scratch {
     /// Calls `visit` with each convex piece of `target` that `view` sees above its horizon, as directions from the
-    /// viewpoint, and returns whether all of the part above the horizon was visible.
+    /// viewpoint.
     ///
     /// `blockers` are those of the scene; faces in the plane of the viewpoint's surface or of the target hide nothing.
     pub fn visible_pieces(
@@ -79,86 +106,89 @@ impl Scratch {
         view: &Viewpoint,
         target: Target,
         visit: impl FnMut(&[DVec3]),
-    ) -> bool {
-        let mut candidates = std::mem::take(&mut self.candidates);
+    ) {
+        let (mut candidates, mut cones) = (
+            std::mem::take(&mut self.candidates),
+            std::mem::take(&mut self.cones),
+        );
         candidates.clear();
         if target.plane.distance(view.position) > 0.0 {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
             let region = Region::pyramid(view.position, target.corners);
             blockers.collect(view, region, target.plane, &mut candidates);
         }
-        let all = self.visible_pieces_past(blockers, &candidates, view, target, visit);
+        cones.clear();
+        blockers.cones(&candidates, view, target.plane, &mut cones);
+        self.visible_past(cones.iter(), view, target, visit);
         self.candidates = candidates;
-        all
+        self.cones = cones;
     }
 
-    /// As [`Scratch::visible_pieces`], past the given parts only.
-    pub fn visible_pieces_past(
+    /// As [`Scratch::visible_pieces`], past the given cones only.
+    pub fn visible_past<'c>(
         &mut self,
-        blockers: &Blockers,
-        candidates: &[u32],
+        cones: impl Iterator<Item = &'c Cone>,
         view: &Viewpoint,
         target: Target,
         mut visit: impl FnMut(&[DVec3]),
-    ) -> bool {
+    ) {
         self.pieces.clear();
         if target.plane.distance(view.position) <= 0.0 {
-            return true;
+            return;
         }
         let above = clip_to_horizon(view, target.corners);
         if above.len() < 3 {
-            return true;
+            return;
         }
         self.pieces.push(above);
-        let mut all = true;
-        for &index in candidates {
-            if let Some(cone) = blocker_cone(blockers, index, view, target.plane) {
-                all &= !self.subtract(&cone);
-                if self.pieces.is_empty() {
-                    break;
-                }
+        for cone in cones {
+            self.subtract(cone);
+            if self.pieces.is_empty() {
+                return;
             }
         }
         for piece in &self.pieces {
             visit(piece);
         }
-        all
     }
 
-    /// Cuts `cone` out of all pieces; true when anything was cut away.
-    fn subtract(&mut self, cone: &Cone) -> bool {
-        let mut hit = false;
-        self.next.clear();
-        for piece in self.pieces.drain(..) {
-            if is_apart(&piece, cone) {
-                self.next.push(piece);
+    /// Cuts `cone` out of all pieces.
+    fn subtract(&mut self, cone: &Cone) {
+        let mut i = 0;
+        let mut end = self.pieces.len();
+        while i < end {
+            if is_apart(&self.pieces[i], cone) {
+                i += 1;
                 continue;
             }
+            // What falls outside one side after the other stays; what is inside all of them is hidden.
             let before = self.next.len();
-            let mut rest = piece.clone();
+            let mut rest = None;
             for side in &cone.sides {
-                let (inside, outside) = split(&rest, side);
-                if let Some(outside) = outside {
-                    self.next.push(outside);
-                }
-                match inside {
-                    Some(inside) => rest = inside,
-                    None => {
-                        rest.clear();
+                let piece = rest.as_ref().unwrap_or(&self.pieces[i]);
+                match split(piece, side) {
+                    Split::Inside => {}
+                    Split::Outside => {
+                        rest = Some(Piece::new());
                         break;
+                    }
+                    Split::Both(inside, outside) => {
+                        self.next.push(outside);
+                        rest = Some(inside);
                     }
                 }
             }
-            if rest.is_empty() {
+            if rest.is_some_and(|r| r.is_empty()) {
                 // Nothing was hidden after all: keep the piece whole rather than in splinters.
                 self.next.truncate(before);
-                self.next.push(piece);
+                i += 1;
             } else {
-                hit = true;
+                end -= 1;
+                self.pieces.swap(i, end);
+                self.pieces.swap_remove(end);
             }
         }
-        std::mem::swap(&mut self.pieces, &mut self.next);
-        hit
+        self.pieces.append(&mut self.next);
     }
 }
 
@@ -179,6 +209,17 @@ impl Blockers {
         });
         // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
         out.sort_unstable();
+    }
+
+    /// Appends the cones of the given parts as far as they lie in front of the plane `target`, the widest first: what
+    /// is hidden is then gone before small blockers cut it into pieces.
+    pub fn cones(&self, parts: &[u32], view: &Viewpoint, target: Plane, out: &mut Vec<Cone>) {
+        out.extend(
+            parts
+                .iter()
+                .filter_map(|&i| blocker_cone(self, i, view, target)),
+        );
+        out.sort_by(|a, b| b.width.total_cmp(&a.width));
     }
 }
 
@@ -250,7 +291,13 @@ fn blocker_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane
             }
         })
         .collect();
-    Some(Cone { rim, sides })
+    let width = (0..rim.len())
+        .map(|i| {
+            let (a, b) = (rim[i], rim[(i + 1) % rim.len()]);
+            a.cross(b).length_squared() / (a.length_squared() * b.length_squared())
+        })
+        .sum();
+    Some(Cone { rim, sides, width })
 }
 
 /// True when a plane through the viewpoint and an edge of either shape has them on different sides.
@@ -267,8 +314,14 @@ fn is_apart(piece: &[DVec3], cone: &Cone) -> bool {
         })
 }
 
-/// Splits a convex piece by a plane through the viewpoint into the parts inside and outside.
-fn split(piece: &[DVec3], side: &ConeSide) -> (Option<Piece>, Option<Piece>) {
+/// A convex piece cut by a plane through the viewpoint.
+enum Split {
+    Inside,
+    Outside,
+    Both(Piece, Piece),
+}
+
+fn split(piece: &[DVec3], side: &ConeSide) -> Split {
     let d: SmallVec<[f64; 8]> = piece
         .iter()
         .map(|p| {
@@ -281,10 +334,10 @@ fn split(piece: &[DVec3], side: &ConeSide) -> (Option<Piece>, Option<Piece>) {
         })
         .collect();
     if !d.iter().any(|&d| d > 0.0) {
-        return (None, Some(Piece::from_slice(piece)));
+        return Split::Outside;
     }
     if !d.iter().any(|&d| d < 0.0) {
-        return (Some(Piece::from_slice(piece)), None);
+        return Split::Inside;
     }
     let (mut inside, mut outside) = (Piece::new(), Piece::new());
     for i in 0..piece.len() {
@@ -301,5 +354,5 @@ fn split(piece: &[DVec3], side: &ConeSide) -> (Option<Piece>, Option<Piece>) {
             outside.push(cut);
         }
     }
-    (Some(inside), Some(outside))
+    Split::Both(inside, outside)
 }

@@ -1,0 +1,287 @@
+//! The indirect light on one side of one face.
+
+use super::SolveFace;
+use super::locator::Locator;
+use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
+use crate::quantity::{Irradiance, Rgb};
+use crate::visibility::Viewpoint;
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+
+/// A small face with one value may vary by about this share of it.
+const UNIFORM_VARIATION: f64 = 0.3;
+
+/// Linear interpolation is off by at most this share of the range of the corners, unless light breaks inside.
+const LINEAR_SHARE: f64 = 0.25;
+
+/// Quadratic interpolation is off by about this share of what it adds to linear interpolation.
+const QUADRATIC_SHARE: f64 = 0.3;
+
+/// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
+const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
+
+/// An element whose longest edge is shorter than this many pixels is not divided.
+const SMALLEST_EDGE_PX: f64 = 64.0;
+
+/// What is known of one element.
+#[derive(Clone, Copy, Debug, Default)]
+struct Knowledge {
+    /// Values at the midpoints of its edges, where gathered.
+    middles: [Option<Irradiance>; 3],
+    /// Error found in its middle (mean square), once gathered there.
+    centre: Option<f64>,
+}
+
+/// Values on one side of a face.
+pub(super) struct FieldFace {
+    mesh: ReceiverMesh,
+    locator: Locator,
+    values: Vec<Irradiance>,
+    known: Vec<Knowledge>,
+    /// All values are one gather from the middle of the face.
+    is_uniform: bool,
+    /// Points that divide the elements, beside those of the solve mesh.
+    points: Vec<GridPoint>,
+    /// Values at vertices and edge midpoints, by doubled grid coordinates.
+    gathered: HashMap<(i64, i64), Irradiance>,
+}
+
+impl FieldFace {
+    /// Starts from the values at the sites of the solve mesh.
+    pub(super) fn new(face: &SolveFace, sites: &[Irradiance], is_uniform: bool) -> Self {
+        let mesh = face.mesh.clone();
+        let n = mesh.site_vertices.len();
+        let values = sites[face.first_site..face.first_site + n].to_vec();
+        let mut gathered = HashMap::new();
+        if !is_uniform {
+            for (s, &v) in mesh.site_vertices.iter().enumerate() {
+                if !mesh.is_limit[s] {
+                    let g = mesh.vertices[v as usize];
+                    gathered.insert((2 * g.x, 2 * g.y), values[s]);
+                }
+            }
+        }
+        Self {
+            locator: Locator::new(&mesh),
+            known: vec![Knowledge::default(); mesh.elements.len()],
+            points: mesh.vertices.clone(),
+            mesh,
+            values,
+            is_uniform,
+            gathered,
+        }
+    }
+
+    /// Area of the elements, m².
+    pub(super) fn area(&self) -> f64 {
+        (0..self.mesh.elements.len())
+            .map(|e| self.mesh.area(e))
+            .sum()
+    }
+
+    /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
+    pub(super) fn errors(&self) -> Vec<f64> {
+        if self.is_uniform {
+            let value = self.values.first().map_or(0.0, |v| v.0.mean_square());
+            return vec![self.area() * UNIFORM_VARIATION * UNIFORM_VARIATION * value];
+        }
+        (0..self.known.len()).map(|e| self.error(e)).collect()
+    }
+
+    fn error(&self, e: usize) -> f64 {
+        let known = &self.known[e];
+        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let mut square = 0.0_f64;
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let part = match known.middles[k] {
+                None => LINEAR_SHARE * LINEAR_SHARE * (a - b).0.mean_square(),
+                Some(_) if known.centre.is_some() => 0.0,
+                Some(m) => {
+                    let bend = (m - (a + b) * 0.5).0.mean_square();
+                    QUADRATIC_SHARE * QUADRATIC_SHARE * bend
+                }
+            };
+            square = square.max(part);
+        }
+        let centre = known.centre.map_or(0.0, |c| CENTRE_WEIGHT * c);
+        self.mesh.area(e) * square.max(centre)
+    }
+
+    /// Spends gathers on everything whose error is at least `limit`; returns how many.
+    pub(super) fn buy(
+        &mut self,
+        face: &SolveFace,
+        limit: f64,
+        weld_distance: f64,
+        mut gather: impl FnMut(&Viewpoint) -> Irradiance,
+    ) -> Result<usize, MeshError> {
+        let mut count = 0;
+        let mut ask = |p: DVec2| {
+            count += 1;
+            gather(&face.view(p))
+        };
+        if self.is_uniform {
+            if self.errors().iter().any(|&e| e >= limit) {
+                self.is_uniform = false;
+                self.fill_sites(&mut ask);
+            }
+            return Ok(count);
+        }
+        let mut divided = Vec::new();
+        let marked: Vec<usize> = (0..self.known.len())
+            .filter(|&e| self.error(e) >= limit)
+            .collect();
+        for e in marked {
+            if self.known[e].middles.iter().any(Option::is_none) {
+                self.fill_middles(e, weld_distance, &mut ask);
+            } else if self.known[e].centre.is_none() {
+                let middle = self.mesh.centre(e);
+                let third = 1.0 / 3.0;
+                let off = ask(middle) - self.interpolate(e, [third; 3]);
+                self.known[e].centre = Some(off.0.mean_square());
+            } else {
+                divided.push(e);
+            }
+        }
+        if !divided.is_empty() {
+            self.divide(face, &divided, &mut ask)?;
+        }
+        Ok(count)
+    }
+
+    fn fill_sites(&mut self, ask: &mut impl FnMut(DVec2) -> Irradiance) {
+        for s in 0..self.values.len() {
+            let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
+            let key = (2 * g.x, 2 * g.y);
+            self.values[s] = if self.mesh.is_limit[s] {
+                ask(self.mesh.site_points[s])
+            } else if let Some(&value) = self.gathered.get(&key) {
+                value
+            } else {
+                let value = ask(self.mesh.site_points[s]);
+                self.gathered.insert(key, value);
+                value
+            };
+        }
+    }
+
+    /// Gathers at the midpoints of element `e`; a neighbour across an ordinary edge shares the value.
+    fn fill_middles(
+        &mut self,
+        e: usize,
+        weld_distance: f64,
+        ask: &mut impl FnMut(DVec2) -> Irradiance,
+    ) {
+        for k in 0..3 {
+            if self.known[e].middles[k].is_some() {
+                continue;
+            }
+            let p = self.mesh.corners(e);
+            let middle = p[k].midpoint(p[(k + 1) % 3]);
+            if self.mesh.is_barrier(e, k) {
+                let inside = self.mesh.inset(e, middle, weld_distance);
+                self.known[e].middles[k] = Some(ask(inside));
+                continue;
+            }
+            let value = ask(middle);
+            self.gathered.insert(self.key(e, k), value);
+            self.known[e].middles[k] = Some(value);
+            if let Some(other) = self.mesh.neighbours[e][k] {
+                let other = other as usize;
+                for j in 0..3 {
+                    if self.mesh.neighbours[other][j] == Some(e as u32) {
+                        self.known[other].middles[j] = Some(value);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Doubled grid coordinates of the midpoint of edge `k` of element `e`.
+    fn key(&self, e: usize, k: usize) -> (i64, i64) {
+        let corners = self.mesh.elements[e];
+        let [a, b] = [corners[k], corners[(k + 1) % 3]].map(|v| self.mesh.vertices[v as usize]);
+        (a.x + b.x, a.y + b.y)
+    }
+
+    /// Meshes anew with the edges of the given elements halved.
+    fn divide(
+        &mut self,
+        face: &SolveFace,
+        elements: &[usize],
+        ask: &mut impl FnMut(DVec2) -> Irradiance,
+    ) -> Result<(), MeshError> {
+        let grid = &face.domain.grid;
+        let before = self.points.len();
+        for &e in elements {
+            let p = self.mesh.corners(e);
+            for k in 0..3 {
+                let (a, b) = (p[k], p[(k + 1) % 3]);
+                if a.distance(b) > SMALLEST_EDGE_PX * grid.pixel_size() {
+                    let g = grid.snap(a.midpoint(b));
+                    // Rounded to the grid it is, for all that matters, the point whose value is known.
+                    if let Some(&value) = self.gathered.get(&self.key(e, k)) {
+                        self.gathered.insert((2 * g.x, 2 * g.y), value);
+                    }
+                    self.points.push(g);
+                }
+            }
+        }
+        self.points.sort_unstable();
+        self.points.dedup();
+        if self.points.len() == before {
+            return Ok(());
+        }
+        let old: HashMap<[GridPoint; 3], Knowledge> = self
+            .mesh
+            .elements
+            .iter()
+            .zip(&self.known)
+            .map(|(t, &k)| (t.map(|v| self.mesh.vertices[v as usize]), k))
+            .collect();
+        self.mesh = face.domain.mesh(&[], &self.points)?;
+        self.locator = Locator::new(&self.mesh);
+        self.values = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
+        self.fill_sites(ask);
+        self.known = (0..self.mesh.elements.len())
+            .map(|e| {
+                let key = self.mesh.elements[e].map(|v| self.mesh.vertices[v as usize]);
+                old.get(&key).copied().unwrap_or_else(|| Knowledge {
+                    middles: [0, 1, 2].map(|k| {
+                        if self.mesh.is_barrier(e, k) {
+                            None
+                        } else {
+                            self.gathered.get(&self.key(e, k)).copied()
+                        }
+                    }),
+                    centre: None,
+                })
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// Quadratic interpolation over element `e`; linear along edges whose midpoint is not known.
+    fn interpolate(&self, e: usize, b: [f64; 3]) -> Irradiance {
+        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let mut sum = Irradiance::ZERO;
+        for k in 0..3 {
+            sum += corners[k] * b[k];
+            if let Some(m) = self.known[e].middles[k] {
+                let bend = m - (corners[k] + corners[(k + 1) % 3]) * 0.5;
+                sum += bend * (4.0 * b[k] * b[(k + 1) % 3]);
+            }
+        }
+        // Quadratic interpolation may dip below zero where light ends within an element.
+        Irradiance(Rgb(sum.0.0.max(DVec3::ZERO)))
+    }
+
+    /// The field at frame coordinates `p`.
+    pub(super) fn at(&self, p: DVec2) -> Irradiance {
+        match self.locator.locate(&self.mesh, p) {
+            Some((e, b)) => self.interpolate(e, b),
+            None => Irradiance::ZERO,
+        }
+    }
+}

@@ -11,7 +11,7 @@ pub use summary::{LeftOut, Stage, Summary};
 use crate::adapt::{self, Illumination, Receiver};
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
-use crate::discontinuity::{LineMap, find_lines};
+use crate::discontinuity::{Discontinuity, LineMap, find_lines};
 use crate::lit_scene::LitScene;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::Irradiance;
@@ -47,6 +47,9 @@ const LATTICE_TRIANGLE: f64 = 0.433;
 /// Display elements start at this share of the scene's diagonal: fine enough that no bright spot falls between all points
 /// of a large face; shadows announce themselves by their lines.
 const START_SPACING: f64 = 1.0 / 12.0;
+
+/// How far beside a line light is looked for, as a share of its length.
+const BESIDE_SHARE: f64 = 0.01;
 
 /// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
 /// squares, and the rest is left to the solution.
@@ -281,17 +284,32 @@ fn lit_sides(
         .par_iter()
         .zip(&views)
         .map_init(Scratch::default, |scratch, (&(face, side), views)| {
-            !lines.of(face, side).candidates.is_empty()
-                || views
+            let mut shines = |v: &Viewpoint| !direct.irradiance(v, scratch).0.is_black();
+            views.iter().any(&mut shines)
+                || beside_lines(scene, &lines.of(face, side).candidates)
                     .iter()
-                    .any(|v| !direct.irradiance(v, scratch).0.is_black())
+                    .any(shines)
         })
         .collect();
     if with_bounces {
-        reached(scene, sides, &views, &lit)
+        reached(&world.blockers, sides, &views, &lit)
     } else {
         lit
     }
+}
+
+/// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines
+/// around it.
+fn beside_lines(scene: &Scene, lines: &[Discontinuity]) -> Vec<Viewpoint> {
+    lines
+        .iter()
+        .flat_map(|line| {
+            let normal = scene.normal(line.face, line.side);
+            let [a, b] = line.ends;
+            let across = normal.cross(b - a) * BESIDE_SHARE;
+            [1.0, -1.0].map(|s| Viewpoint::new(0.5 * (a + b) + across * s, normal))
+        })
+        .collect()
 }
 
 /// The coarse mesh of all lit sides.

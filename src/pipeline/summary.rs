@@ -51,6 +51,8 @@ pub struct Summary {
     pub adapt: AdaptReport,
     /// How the indirect light was solved.
     pub solve: SolveReport,
+    /// Final gathers of the indirect light, those of the solution included.
+    pub gathers: usize,
     /// Error asked for, relative.
     pub error_asked: f64,
     /// Estimated interpolation error, relative.
@@ -97,6 +99,7 @@ impl Summary {
         self.sites = receivers.iter().map(|r| r.mesh.site_vertices.len()).sum();
         self.lines_kept = receivers.iter().map(|r| r.kept().count()).sum();
         self.contacts = receivers.iter().map(|r| r.lines.contacts.len()).sum();
+        self.gathers = solution.indirect.as_ref().map_or(0, |f| f.gathers());
         self.error_asked = solution.settings.error;
         let mean = self.measured.mean;
         self.error_estimated = if mean > 0.0 {

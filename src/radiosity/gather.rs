@@ -8,14 +8,18 @@ use super::solve_mesh::SolveTriangle;
 use super::{SolveFace, SolveMesh};
 use crate::direct::{edge_term, form_factor_of_directions};
 use crate::mesh::barycentric;
-use crate::visibility::{Blockers, Cone, Scratch, Target, Viewpoint};
+use crate::visibility::{Blockers, Cone, Cones, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// A source face this many times farther than its radius is taken as a whole, with its mean radiosity: over it the
 /// kernel then varies by less than an eighth.
 const FAR_IN_RADII: f64 = 8.0;
+
+/// Only a face this many times farther than its radius may be judged by one ray to its middle: its form factor is then
+/// that of a point to a few per cent.
+const NEAR_IN_RADII: f64 = 4.0;
 
 /// A visible piece wider than this share of its distance is divided before its basis weights are read at its middle.
 const PIECE_SHARE: f64 = 0.5;
@@ -25,6 +29,10 @@ const MAX_DIVISIONS: u32 = 5;
 
 /// Up to so many blockers an element in partial view is clipped exactly, however small it looks.
 const FEW_BLOCKERS: usize = 4;
+
+/// Behind more blockers an element that looks this many times larger than what one ray is enough for is sampled at
+/// sixteen points.
+const MANY_BLOCKERS_FACTOR: f64 = 16.0;
 
 /// Coefficients of one row: `H = Σ weight · R[site] + Σ weight · mean R of a face`.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +57,7 @@ pub struct Gatherer<'a> {
     scratch: Scratch,
     weights: Weights,
     candidates: Vec<u32>,
-    cones: Vec<Cone>,
+    cones: Cones,
     /// Of the face at hand: directions to its vertices, their heights above the horizon, the terms of its edges, and for
     /// each cone and vertex the sides of the cone that it lies beyond.
     directions: Vec<DVec3>,
@@ -77,7 +85,7 @@ impl<'a> Gatherer<'a> {
                 touched: Vec::new(),
             },
             candidates: Vec::new(),
-            cones: Vec::new(),
+            cones: Cones::default(),
             directions: Vec::new(),
             heights: Vec::new(),
             terms: Vec::new(),
@@ -97,7 +105,10 @@ impl<'a> Gatherer<'a> {
                 continue;
             }
             let to_centre = source.centre - view.position;
-            if view.horizon.normal.dot(to_centre) <= -source.radius || !self.look_at(view, source) {
+            if view.horizon.normal.dot(to_centre) <= -source.radius {
+                continue;
+            }
+            if self.glance(view, source, i as u32, &mut row) || !self.look_at(view, source) {
                 continue;
             }
             let is_far = to_centre.length() > FAR_IN_RADII * source.radius;
@@ -115,6 +126,28 @@ impl<'a> Gatherer<'a> {
         }
         row.sites = self.weights.drain();
         row
+    }
+
+    /// Adds a face that fills too little of the hemisphere to be worth more than a few rays; false when it fills more.
+    fn glance(&self, view: &Viewpoint, source: &SolveFace, index: u32, row: &mut Row) -> bool {
+        let Some(middle) = source.middle_point else {
+            return true;
+        };
+        let d = middle - view.position;
+        let squared = d.length_squared();
+        // Seen from nearby the face may look larger from elsewhere on it: only the far ones are judged by their middle.
+        if squared < NEAR_IN_RADII * NEAR_IN_RADII * source.radius * source.radius {
+            return false;
+        }
+        let cosines = view.horizon.normal.dot(d) * source.plane.distance(view.position) / squared;
+        let f = cosines * source.area / (PI * squared);
+        if f > source.sampled_below {
+            return false;
+        }
+        if f > 0.0 && self.blockers.sees(view, middle, source.domain.face) {
+            row.faces.push((index, f));
+        }
+        true
     }
 
     /// Prepares everything about one source face that its elements share; false when none of it is above the horizon.
@@ -135,11 +168,14 @@ impl<'a> Gatherer<'a> {
             source.plane,
             &mut self.candidates,
         );
-        self.cones.clear();
         self.blockers
             .cones(&self.candidates, view, source.plane, &mut self.cones);
+        let rectangle = source.rectangle.map(|p| p - view.position);
+        if self.cones.hide_all(&rectangle) {
+            return false;
+        }
         self.beyond.clear();
-        for cone in &self.cones {
+        for cone in self.cones.iter() {
             self.beyond
                 .extend(self.directions.iter().map(|&d| cone.outside(d)));
         }
@@ -236,9 +272,9 @@ impl<'a> Gatherer<'a> {
         let mut sum = [0.0; 3];
         let weigh = weights_on(source, view, e);
         let normal = view.horizon.normal;
-        let cones: SmallVec<[&Cone; 16]> = cones.collect();
-        let area_bound = t.width_squared / self.directions[t.vertices[0] as usize].length_squared();
-        if cones.len() > FEW_BLOCKERS && area_bound < source.sampled_below {
+        let cones: SmallVec<[Cone; 16]> = cones.collect();
+        let looks = t.width_squared / self.directions[t.vertices[0] as usize].length_squared();
+        if cones.len() > FEW_BLOCKERS && looks < MANY_BLOCKERS_FACTOR * source.sampled_below {
             let f = sampled(
                 normal,
                 t.vertices.map(|v| self.directions[v as usize]),
@@ -297,7 +333,7 @@ impl Weights {
 }
 
 /// The form factor of a triangle of directions by the share of its sixteen equal parts whose middles no cone hides.
-fn sampled(n: DVec3, t: [DVec3; 3], cones: &[&Cone]) -> f64 {
+fn sampled(n: DVec3, t: [DVec3; 3], cones: &[Cone]) -> f64 {
     if t.iter().any(|d| n.dot(*d) < 0.0) {
         // Near the horizon the cosine is next to nothing.
         return 0.0;

@@ -3,8 +3,8 @@
 //! The inside of a solid, the outside of a room, a face under furniture: no light gets there, so nothing need be
 //! solved or refined there. A side is reached when an emitter lights it or when rays from it meet a side that is.
 
-use crate::scene::{FaceId, FaceSide, Scene};
-use crate::visibility::{RayCaster, Viewpoint};
+use crate::scene::{FaceId, FaceSide};
+use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 /// For each entry of `sides`, whether light can reach it; `lit` says which ones the emitters light directly, `views` gives
 /// viewpoints on each.
 pub fn reached(
-    scene: &Scene,
+    blockers: &Blockers,
     sides: &[(FaceId, FaceSide)],
     views: &[Vec<Viewpoint>],
     lit: &[bool],
@@ -28,14 +28,6 @@ pub fn reached(
     if reached.iter().all(|&r| r) {
         return reached;
     }
-    let (mut triangles, mut owner) = (Vec::new(), Vec::new());
-    for (id, face) in scene.faces.iter() {
-        for t in &face.triangles {
-            triangles.push(t.map(|v| scene.vertices[v]));
-            owner.push(id);
-        }
-    }
-    let caster = RayCaster::new(&triangles);
     // What each dark side sees, as indices into `sides`.
     let seen: Vec<Vec<u32>> = sides
         .par_iter()
@@ -46,12 +38,12 @@ pub fn reached(
             if !is_lit {
                 for view in views {
                     for i in 0..RAYS {
-                        let hit = caster.nearest_where(
+                        let hit = blockers.rays().nearest_where(
                             view.position,
                             direction(view.horizon.normal, i),
                             0.0,
                             f64::INFINITY,
-                            |h| owner[h.triangle as usize] != face,
+                            |h| blockers.ray_owner(h.triangle) != face,
                         );
                         if let Some(h) = hit {
                             let side = if h.is_front {
@@ -59,7 +51,7 @@ pub fn reached(
                             } else {
                                 FaceSide::Back
                             };
-                            let key = (owner[h.triangle as usize], side);
+                            let key = (blockers.ray_owner(h.triangle), side);
                             if let Ok(k) = sides.binary_search(&key) {
                                 seen.push(k as u32);
                             }

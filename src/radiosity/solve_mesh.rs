@@ -8,9 +8,9 @@ use crate::scene::FaceSide;
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 
-/// Share of the error asked for that one sampled element may look wide: sixteen samples are right to a few per cent of
-/// its form factor, and the mistakes of many elements cancel.
-const SAMPLED_SHARE: f64 = 0.5;
+/// Share of the error asked for that a face may contribute to a form factor sum and be judged by one ray. The mistakes of
+/// hundreds of such faces add like random steps; rows weigh 1/(1 − ρ) in the solution, so that factor is taken off.
+const SAMPLED_SHARE: f64 = 0.05;
 
 /// A face with a radius below this share of the solve mesh's spacing has one value.
 const SMALL_SHARE: f64 = 0.25;
@@ -38,10 +38,14 @@ pub struct SolveFace {
     pub(super) radius: f64,
     /// Whether it is so small that one value is enough for the solution.
     pub(super) is_small: bool,
-    /// Elements that look smaller than this (square of their width over their distance) behind many blockers are sampled.
+    /// A form factor below this is estimated by sampling.
     pub(super) sampled_below: f64,
+    /// Area of the elements, m².
+    pub(super) area: f64,
+    /// The middle of the largest element, metres.
+    pub(super) middle_point: Option<DVec3>,
     /// Bounding rectangle, counter-clockwise seen from the lit side.
-    rectangle: [DVec3; 4],
+    pub(super) rectangle: [DVec3; 4],
     locator: Locator,
 }
 
@@ -74,11 +78,17 @@ impl SolveMesh {
         error: f64,
     ) -> Result<Self, MeshError> {
         let mut faces = Vec::with_capacity(domains.len());
+        let area: f64 = domains.iter().map(|(d, _)| d.polygon().area()).sum();
+        let reflected: f64 = domains
+            .iter()
+            .map(|(d, rho)| d.polygon().area() * rho.0.max_element())
+            .sum();
+        let sampled_below = SAMPLED_SHARE * error * (1.0 - reflected / area);
         let mut sites = 0;
         for (domain, reflectance) in domains {
             let points = domain.seed_points(spacing);
             let mesh = domain.mesh(&[], &points)?;
-            let face = SolveFace::new(domain, mesh, reflectance, sites, spacing, error);
+            let face = SolveFace::new(domain, mesh, reflectance, sites, spacing, sampled_below);
             sites += face.mesh.site_vertices.len();
             faces.push(face);
         }
@@ -112,7 +122,7 @@ impl SolveFace {
         reflectance: Rgb,
         first_site: usize,
         spacing: f64,
-        error: f64,
+        sampled_below: f64,
     ) -> Self {
         let is_front = domain.side == FaceSide::Front;
         let positions: Vec<DVec3> = mesh
@@ -139,7 +149,9 @@ impl SolveFace {
             centre: 0.5 * (lo + hi),
             radius: 0.5 * lo.distance(hi),
             is_small: 0.5 * lo.distance(hi) < SMALL_SHARE * spacing,
-            sampled_below: SAMPLED_SHARE * error,
+            sampled_below,
+            area: (0..mesh.elements.len()).map(|e| mesh.area(e)).sum(),
+            middle_point: largest(&mesh).map(|e| domain.frame.to_space(mesh.centre(e))),
             positions,
             triangles,
             edges,
@@ -158,9 +170,7 @@ impl SolveFace {
 
     /// The middle of the largest element.
     pub(super) fn middle(&self) -> Option<DVec2> {
-        (0..self.mesh.elements.len())
-            .max_by(|&a, &b| self.mesh.area(a).total_cmp(&self.mesh.area(b)))
-            .map(|e| self.mesh.centre(e))
+        largest(&self.mesh).map(|e| self.mesh.centre(e))
     }
 
     /// Where the value of local site `s` is taken.
@@ -220,4 +230,9 @@ fn connect(
         })
         .collect();
     (triangles, edges)
+}
+
+/// The largest element.
+fn largest(mesh: &ReceiverMesh) -> Option<usize> {
+    (0..mesh.elements.len()).max_by(|&a, &b| mesh.area(a).total_cmp(&mesh.area(b)))
 }

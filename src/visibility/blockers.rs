@@ -1,6 +1,6 @@
 //! The opaque world as convex polygons in a tree.
 
-use super::{BoxTree, Region};
+use super::{BoxTree, RayCaster, Region};
 use crate::geom::Plane;
 use crate::scene::{EdgeId, FaceId, Scene, VertexId};
 use glam::DVec3;
@@ -24,6 +24,8 @@ pub struct Blockers {
     /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
     edges: Vec<Option<EdgeId>>,
     tree: BoxTree,
+    rays: RayCaster,
+    ray_owners: Vec<FaceId>,
     weld_distance: f64,
     roundoff: f64,
 }
@@ -68,7 +70,16 @@ impl Blockers {
                     (lo.min(c), hi.max(c))
                 })
         }));
+        let (mut triangles, mut ray_owners) = (Vec::new(), Vec::new());
+        for (id, face) in scene.faces.iter() {
+            for t in &face.triangles {
+                triangles.push(t.map(|v| scene.vertices[v]));
+                ray_owners.push(id);
+            }
+        }
         Self {
+            rays: RayCaster::new(&triangles),
+            ray_owners,
             parts,
             positions,
             vertices,
@@ -109,6 +120,16 @@ impl Blockers {
     /// Calls `visit` with the index of each part whose box meets `region`.
     pub fn query(&self, region: &Region, visit: impl FnMut(u32)) {
         self.tree.query(region, visit);
+    }
+
+    /// Rays against all faces, as triangles.
+    pub fn rays(&self) -> &RayCaster {
+        &self.rays
+    }
+
+    /// The face that triangle `t` of [`Blockers::rays`] is a piece of.
+    pub fn ray_owner(&self, t: u32) -> FaceId {
+        self.ray_owners[t as usize]
     }
 
     /// Below this distance two points are the same point, metres.

@@ -14,6 +14,7 @@
 
 use super::{Blockers, Region};
 use crate::geom::Plane;
+use crate::scene::FaceId;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -54,24 +55,93 @@ pub struct Scratch {
     pieces: Vec<Piece>,
     next: Vec<Piece>,
     candidates: Vec<u32>,
-    cones: Vec<Cone>,
+    cones: Cones,
 }
 
-/// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
-pub struct Cone {
-    rim: Piece,
-    sides: SmallVec<[ConeSide; 8]>,
+/// The cones of several blockers from one viewpoint, the widest first.
+#[derive(Default)]
+pub struct Cones {
+    rims: Vec<DVec3>,
+    sides: Vec<ConeSide>,
+    items: Vec<ConeItem>,
+}
+
+#[derive(Clone, Copy)]
+struct ConeItem {
+    first: u32,
+    count: u32,
     /// How wide it looks: sum of the squared sines between neighbouring rim directions.
     width: f64,
 }
 
+/// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
+#[derive(Clone, Copy)]
+pub struct Cone<'c> {
+    rim: &'c [DVec3],
+    sides: &'c [ConeSide],
+}
+
+#[derive(Clone, Copy)]
 struct ConeSide {
     normal: DVec3,
     /// Rounding error of `normal · d` for a direction of unit length.
     slack: f64,
 }
 
-impl Cone {
+impl Cones {
+    /// No cones.
+    pub fn clear(&mut self) {
+        self.rims.clear();
+        self.sides.clear();
+        self.items.clear();
+    }
+
+    /// Cone number `i`.
+    pub fn get(&self, i: usize) -> Cone<'_> {
+        let item = self.items[i];
+        let range = item.first as usize..(item.first + item.count) as usize;
+        Cone {
+            rim: &self.rims[range.clone()],
+            sides: &self.sides[range],
+        }
+    }
+
+    /// All cones, the widest first.
+    pub fn iter(&self) -> impl Iterator<Item = Cone<'_>> {
+        (0..self.items.len()).map(|i| self.get(i))
+    }
+
+    /// True when one cone alone hides all of `directions`.
+    pub fn hide_all(&self, directions: &[DVec3]) -> bool {
+        self.iter().any(|c| directions.iter().all(|&d| c.hides(d)))
+    }
+
+    /// Adds the cone with the given rim (directions, turning counter-clockwise when `facing` is 1, clockwise when −1).
+    fn push(&mut self, rim: &[DVec3], facing: f64) {
+        let mut width = 0.0;
+        let first = self.rims.len() as u32;
+        for (i, &a) in rim.iter().enumerate() {
+            let b = rim[(i + 1) % rim.len()];
+            // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
+            let normal = b.cross(a) * facing;
+            let lengths = a.length_squared() * b.length_squared();
+            width += normal.length_squared() / lengths;
+            self.rims.push(a);
+            self.sides.push(ConeSide {
+                normal,
+                // Two roundings in each component of the cross product, three in the dot product.
+                slack: 8.0 * f64::EPSILON * lengths.sqrt(),
+            });
+        }
+        self.items.push(ConeItem {
+            first,
+            count: rim.len() as u32,
+            width,
+        });
+    }
+}
+
+impl Cone<'_> {
     /// One bit for each side of the cone that `direction` lies on or beyond; 0 inside the cone. Sides past the sixteenth
     /// are left out, so that 0 then only says "perhaps inside".
     pub fn outside(&self, direction: DVec3) -> u16 {
@@ -117,7 +187,6 @@ impl Scratch {
             let region = Region::pyramid(view.position, target.corners);
             blockers.collect(view, region, target.plane, &mut candidates);
         }
-        cones.clear();
         blockers.cones(&candidates, view, target.plane, &mut cones);
         self.visible_past(cones.iter(), view, target, visit);
         self.candidates = candidates;
@@ -127,7 +196,7 @@ impl Scratch {
     /// As [`Scratch::visible_pieces`], past the given cones only.
     pub fn visible_past<'c>(
         &mut self,
-        cones: impl Iterator<Item = &'c Cone>,
+        cones: impl Iterator<Item = Cone<'c>>,
         view: &Viewpoint,
         target: Target,
         mut visit: impl FnMut(&[DVec3]),
@@ -142,7 +211,7 @@ impl Scratch {
         }
         self.pieces.push(above);
         for cone in cones {
-            self.subtract(cone);
+            self.subtract(&cone);
             if self.pieces.is_empty() {
                 return;
             }
@@ -164,7 +233,7 @@ impl Scratch {
             // What falls outside one side after the other stays; what is inside all of them is hidden.
             let before = self.next.len();
             let mut rest = None;
-            for side in &cone.sides {
+            for side in cone.sides {
                 let piece = rest.as_ref().unwrap_or(&self.pieces[i]);
                 match split(piece, side) {
                     Split::Inside => {}
@@ -211,15 +280,25 @@ impl Blockers {
         out.sort_unstable();
     }
 
-    /// Appends the cones of the given parts as far as they lie in front of the plane `target`, the widest first: what
-    /// is hidden is then gone before small blockers cut it into pieces.
-    pub fn cones(&self, parts: &[u32], view: &Viewpoint, target: Plane, out: &mut Vec<Cone>) {
-        out.extend(
-            parts
-                .iter()
-                .filter_map(|&i| blocker_cone(self, i, view, target)),
-        );
-        out.sort_by(|a, b| b.width.total_cmp(&a.width));
+    /// Fills `out` with the cones of the given parts as far as they lie in front of the plane `target`. The widest come
+    /// first: what is hidden is then gone before small blockers cut it into pieces.
+    pub fn cones(&self, parts: &[u32], view: &Viewpoint, target: Plane, out: &mut Cones) {
+        out.clear();
+        for &i in parts {
+            push_cone(self, i, view, target, out);
+        }
+        out.items.sort_by(|a, b| b.width.total_cmp(&a.width));
+    }
+
+    /// True when the straight line from `view` to `point` on `face` meets no other face, tested by a ray.
+    pub fn sees(&self, view: &Viewpoint, point: DVec3, face: FaceId) -> bool {
+        // Nothing within the weld distance of the viewpoint stands in the way: that is the surface it lies on.
+        let start = self.weld_distance() / view.position.distance(point);
+        !self
+            .rays()
+            .is_blocked(view.position, point, start, 1.0, |t| {
+                self.ray_owner(t) == face
+            })
     }
 }
 
@@ -251,14 +330,14 @@ fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece {
     out
 }
 
-/// The cone of the part of a blocker in front of the target's plane; none when it hides nothing.
-fn blocker_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane) -> Option<Cone> {
+/// Adds the cone of the part of a blocker in front of the target's plane, unless it hides nothing.
+fn push_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane, out: &mut Cones) {
     let part = blockers.part(index);
     let eye = view.position;
     let distance = part.plane.distance(eye);
     // Seen edge-on it hides nothing.
     if distance.abs() <= blockers.roundoff() {
-        return None;
+        return;
     }
     let tol = blockers.weld_distance();
     // Points within the weld distance of the target's plane are in it: a ceiling does not hide the lamp flush with it.
@@ -267,37 +346,24 @@ fn blocker_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane
         if d.abs() <= tol { 0.0 } else { d }
     };
     let corners = blockers.corners(part);
-    if !corners.iter().any(|c| ahead(c) > 0.0) {
-        return None;
+    let (mut any_ahead, mut any_behind) = (false, false);
+    for c in corners {
+        let d = ahead(c);
+        any_ahead |= d > 0.0;
+        any_behind |= d < 0.0;
     }
-    let clipped = if corners.iter().any(|c| ahead(c) < 0.0) {
+    if !any_ahead {
+        return;
+    }
+    let mut rim = if any_behind {
         clip(corners, ahead)
     } else {
         Piece::from_slice(corners)
     };
-    let rim: Piece = clipped.iter().map(|&c| c - eye).collect();
-    if rim.len() < 3 {
-        return None;
+    if rim.len() >= 3 {
+        rim.iter_mut().for_each(|c| *c -= eye);
+        out.push(&rim, distance.signum());
     }
-    // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
-    let facing = distance.signum();
-    let sides = (0..rim.len())
-        .map(|i| {
-            let (a, b) = (rim[i], rim[(i + 1) % rim.len()]);
-            ConeSide {
-                normal: b.cross(a) * facing,
-                // Two roundings in each component of the cross product, three in the dot product.
-                slack: 8.0 * f64::EPSILON * a.length() * b.length(),
-            }
-        })
-        .collect();
-    let width = (0..rim.len())
-        .map(|i| {
-            let (a, b) = (rim[i], rim[(i + 1) % rim.len()]);
-            a.cross(b).length_squared() / (a.length_squared() * b.length_squared())
-        })
-        .sum();
-    Some(Cone { rim, sides, width })
 }
 
 /// True when a plane through the viewpoint and an edge of either shape has them on different sides.

@@ -1,6 +1,7 @@
 //! What the tests share: fixtures, and references that reach the answers by other roads than the library.
 
 pub(crate) mod kinks;
+pub(crate) mod library;
 pub(crate) mod obj_lite;
 pub(crate) mod path_tracer;
 mod picture;

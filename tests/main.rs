@@ -1,10 +1,12 @@
 //! All integration tests, one binary:
+//! - `exact`: the direct light at points, against a reference and closed forms.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 
 mod common;
 
+mod exact;
 mod layering;
 mod lines;
 mod references;

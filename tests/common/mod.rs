@@ -5,6 +5,7 @@ pub(crate) mod library;
 pub(crate) mod obj_lite;
 pub(crate) mod path_tracer;
 mod picture;
+pub(crate) mod quadrature;
 pub(crate) mod reference;
 pub(crate) mod rng;
 pub(crate) mod scenes;

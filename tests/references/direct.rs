@@ -2,6 +2,7 @@
 
 use super::{UP, assert_near};
 use crate::common::obj_lite::ObjMesh;
+use crate::common::quadrature::gauss_between;
 use crate::common::reference::{DirectReference, lambert};
 use crate::common::rng::Rng;
 use crate::common::scenes::{SHADOW_SCENES, fixture_names, read_fixture};
@@ -36,40 +37,10 @@ fn under_unit_square(blockers: &[&[[f64; 3]]]) -> DirectReference {
     DirectReference::new(&mesh)
 }
 
-/// Nodes and weights on [0, 1] of the Gauss-Legendre rule with `count` nodes.
-fn gauss(count: usize) -> Vec<(f64, f64)> {
-    let legendre = |x: f64| {
-        let (mut p0, mut p1) = (1.0, x);
-        for k in 2..=count {
-            let k = k as f64;
-            (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-        }
-        (p1, count as f64 * (x * p1 - p0) / (x * x - 1.0))
-    };
-    (0..count)
-        .map(|i| {
-            let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
-            for _ in 0..50 {
-                let (p, slope) = legendre(x);
-                x -= p / slope;
-            }
-            let slope = legendre(x).1;
-            (0.5 + 0.5 * x, 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
-}
-
 /// Mean of the irradiance over a square of the floor, cut at `breaks` along both axes.
 fn mean_over_floor(scene: &DirectReference, breaks: &[f64]) -> f64 {
-    let rule = gauss(16);
     let side = breaks[breaks.len() - 1] - breaks[0];
-    let line: Vec<(f64, f64)> = breaks
-        .windows(2)
-        .flat_map(|w| {
-            rule.iter()
-                .map(|&(t, weight)| (w[0] + (w[1] - w[0]) * t, weight * (w[1] - w[0])))
-        })
-        .collect();
+    let line = gauss_between(breaks, 16);
     let mut sum = 0.0;
     for &(x, wx) in &line {
         for &(z, wz) in &line {

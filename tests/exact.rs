@@ -1,0 +1,3 @@
+//! The library's direct light, held against an independent computation and against closed forms.
+
+mod analytic;

@@ -1,3 +1,4 @@
 //! The library's direct light, held against an independent computation and against closed forms.
 
 mod analytic;
+mod regressions;

@@ -182,13 +182,13 @@ impl Scratch {
             std::mem::take(&mut self.cones),
         );
         candidates.clear();
-        if target.plane.distance(view.position) > 0.0 {
+        if faces(blockers, view, target) {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
             let region = Region::pyramid(view.position, target.corners);
             blockers.collect(view, region, target.plane, &mut candidates);
         }
         blockers.cones(&candidates, view, target.plane, &mut cones);
-        self.visible_past(cones.iter(), view, target, visit);
+        self.visible_past(blockers, cones.iter(), view, target, visit);
         self.candidates = candidates;
         self.cones = cones;
     }
@@ -196,13 +196,14 @@ impl Scratch {
     /// As [`Scratch::visible_pieces`], past the given cones only.
     pub fn visible_past<'c>(
         &mut self,
+        blockers: &Blockers,
         cones: impl Iterator<Item = Cone<'c>>,
         view: &Viewpoint,
         target: Target,
         mut visit: impl FnMut(&[DVec3]),
     ) {
         self.pieces.clear();
-        if target.plane.distance(view.position) <= 0.0 {
+        if !faces(blockers, view, target) {
             return;
         }
         let above = clip_to_horizon(view, target.corners);
@@ -300,6 +301,12 @@ impl Blockers {
                 self.ray_owner(t) == face
             })
     }
+}
+
+/// True when `view` stands in front of the target, clear of its plane by more than round-off: within it, it would see the
+/// target under half of the sky or not at all as the last digit falls, and the back of an emitter would be lit by its front.
+fn faces(blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
+    target.plane.distance(view.position) > blockers.roundoff()
 }
 
 /// The part of a convex polygon above the horizon of `view`, as directions from it.

@@ -1,4 +1,5 @@
 //! The library's direct light, held against an independent computation and against closed forms.
 
 mod analytic;
+mod fixtures;
 mod regressions;

@@ -71,9 +71,15 @@ impl<'a> DirectLight<'a> {
         let mut sum = Irradiance::ZERO;
         for polygon in self.polygons.iter().filter(|p| p.emitter == emitter) {
             let mut f = 0.0;
-            scratch.visible_past(self.blockers, std::iter::empty(), view, polygon.target(), |piece| {
-                f += form_factor_of_directions(view.horizon.normal, piece);
-            });
+            scratch.visible_past(
+                self.blockers,
+                std::iter::empty(),
+                view,
+                polygon.target(),
+                |piece| {
+                    f += form_factor_of_directions(view.horizon.normal, piece);
+                },
+            );
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
         }
         sum

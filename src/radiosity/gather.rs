@@ -288,7 +288,7 @@ impl<'a> Gatherer<'a> {
             return;
         }
         self.scratch
-            .visible_past(cones.into_iter(), view, target, |piece| {
+            .visible_past(self.blockers, cones.into_iter(), view, target, |piece| {
                 if is_far {
                     *whole += form_factor_of_directions(normal, piece);
                     return;

@@ -124,13 +124,11 @@ impl Cones {
             let b = rim[(i + 1) % rim.len()];
             // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
             let normal = b.cross(a) * facing;
-            let lengths = a.length_squared() * b.length_squared();
-            width += normal.length_squared() / lengths;
+            width += normal.length_squared() / (a.length_squared() * b.length_squared());
             self.rims.push(a);
             self.sides.push(ConeSide {
                 normal,
-                // Two roundings in each component of the cross product, three in the dot product.
-                slack: 8.0 * f64::EPSILON * lengths.sqrt(),
+                slack: side_slack(a, b),
             });
         }
         self.items.push(ConeItem {
@@ -382,9 +380,24 @@ fn is_apart(piece: &[DVec3], cone: &Cone) -> bool {
     });
     beyond_cone
         || (0..piece.len()).any(|i| {
-            let m = piece[(i + 1) % piece.len()].cross(piece[i]);
-            cone.rim.iter().all(|r| m.dot(*r) <= 0.0)
+            let (a, b) = (piece[i], piece[(i + 1) % piece.len()]);
+            let m = b.cross(a);
+            cone.rim.iter().all(|r| m.dot(*r) <= 0.0) && holds(piece, m, side_slack(a, b))
         })
+}
+
+/// True when the piece clearly reaches to the inner side of the plane with normal `m` and not to the other. The plane of an
+/// edge as short as round-off points anywhere and holds nothing.
+fn holds(piece: &[DVec3], m: DVec3, slack: f64) -> bool {
+    let height = |p: &DVec3| (m.dot(*p), slack * p.length());
+    piece.iter().map(height).all(|(h, slack)| h >= -slack)
+        && piece.iter().map(height).any(|(h, slack)| h > slack)
+}
+
+/// Rounding error of `(b × a) · d` for a direction `d` of unit length: two roundings in each component of the cross
+/// product, three in the dot product.
+fn side_slack(a: DVec3, b: DVec3) -> f64 {
+    8.0 * f64::EPSILON * a.length() * b.length()
 }
 
 /// A convex piece cut by a plane through the viewpoint.

@@ -1,5 +1,6 @@
 //! All integration tests, one binary:
 //! - `exact`: the direct light at points, against a reference and closed forms.
+//! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
@@ -7,6 +8,7 @@
 mod common;
 
 mod exact;
+mod kinks;
 mod layering;
 mod lines;
 mod references;

@@ -1,7 +1,7 @@
 //! Enumerates the critical events, culls them, and has the rest traced.
 
 use super::trace::{self, Landing};
-use super::wedge::{Wedge, side_of_face};
+use super::wedge::{Apex, Wedge, side_of_face};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind, SearchReport};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
@@ -112,7 +112,7 @@ fn past_edges(
     let (scene, light) = (search.scene, search.light);
     let plane = emitter_plane(scene, emitter);
     let (mut out, mut report) = (Vec::new(), SearchReport::default());
-    let apex = (vertex, scene.vertices[vertex]);
+    let apex = Apex::Vertex(vertex, scene.vertices[vertex]);
     let tol = scene.weld_distance;
     for (id, edge) in scene.edges.iter() {
         let Some(rim) = in_front(scene, &plane, edge.ends) else {
@@ -172,7 +172,7 @@ fn past_vertices(
             report.culled += 1;
             continue;
         }
-        let Some(wedge) = Wedge::new((vertex, position), rim, Some(ends), tol) else {
+        let Some(wedge) = Wedge::new(Apex::Vertex(vertex, position), rim, Some(ends), tol) else {
             report.culled += 1;
             continue;
         };

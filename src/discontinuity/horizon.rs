@@ -1,7 +1,7 @@
 //! The emitter's horizon: where its own plane meets a receiver, light begins with a jump of the slope (D1).
 
 use super::trace;
-use super::wedge::Wedge;
+use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
@@ -95,7 +95,7 @@ fn on_receiver(
         .iter()
         .flatten()
         .filter(|&&v| horizon.distance(scene.vertices[v]) > tol)
-        .filter_map(|&v| Wedge::new((v, scene.vertices[v]), ends, None, tol))
+        .filter_map(|&v| Wedge::new(Apex::Vertex(v, scene.vertices[v]), ends, None, tol))
         .flat_map(|w| trace::lit_on_rim(&w, scene, light.blockers))
         .collect();
     lit.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));

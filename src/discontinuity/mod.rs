@@ -2,7 +2,7 @@
 //!
 //! The visible outline of a polygonal emitter changes its combinatorics on critical surfaces. This stage finds the planar
 //! ones of first order – an emitter vertex past a blocker edge (VE), an emitter edge past a blocker vertex (EV) –, the
-//! emitter's own horizon, and the lines where faces touch or pierce a receiver, and follows each to the receivers that
+//! emitter's own horizon, the planes of faces that cut an emitter, and the lines where faces touch or pierce a receiver, and follows each to the receivers that
 //! light really reaches along it.
 //!
 //! Papers: Heckbert, *Discontinuity meshing for radiosity* (1992); Lischinski, Tampieri & Greenberg, *Discontinuity meshing
@@ -11,6 +11,7 @@
 //! ends are parameters along its generating edge, evaluated once.
 
 mod contact;
+mod edge_on;
 mod event;
 mod horizon;
 mod merge;
@@ -29,7 +30,7 @@ use rayon::prelude::*;
 pub enum DiscontinuityOrder {
     /// The value (contact).
     D0,
-    /// The slope (emitter edge and blocker edge in one plane; horizon).
+    /// The slope (emitter edge and blocker edge in one plane; horizon; blocker seen edge-on).
     D1,
     /// The curvature (every generic VE and EV line).
     D2,
@@ -46,6 +47,8 @@ pub enum EventKind {
     Contact,
     /// The emitter's own plane.
     Horizon,
+    /// The plane of a blocker's face, which cuts the emitter.
+    EdgeOn,
 }
 
 /// The features that generate a line.
@@ -55,7 +58,7 @@ pub enum Cause {
     VertexEdge(VertexId, EdgeId),
     /// An emitter edge (by its ends) and a blocker vertex.
     EdgeVertex([VertexId; 2], VertexId),
-    /// The face that touches, pierces or covers the receiver.
+    /// The face that touches, pierces or covers the receiver, or is seen edge-on from it.
     Face(FaceId),
     /// The plane of the emitter.
     EmitterPlane,
@@ -147,6 +150,9 @@ pub fn find_lines(scene: &Scene, light: &DirectLight) -> LineMap {
         }
     }
     for s in horizon::find(scene, light) {
+        lines[slot(s.face, s.side)].candidates.push(s);
+    }
+    for s in edge_on::find(scene, light) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
     for s in contact::find(scene, light) {

@@ -17,11 +17,35 @@ use crate::visibility::{Blockers, Part, Region};
 use glam::DVec3;
 use smallvec::SmallVec;
 
+/// Where the rays of a wedge start or meet.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Apex {
+    /// A vertex of the scene and its position.
+    Vertex(VertexId, DVec3),
+    /// Any other point.
+    Point(DVec3),
+}
+
+impl Apex {
+    fn position(self) -> DVec3 {
+        match self {
+            Self::Vertex(_, p) | Self::Point(p) => p,
+        }
+    }
+
+    fn is_corner_of(self, vertices: &[VertexId]) -> bool {
+        match self {
+            Self::Vertex(v, _) => vertices.contains(&v),
+            Self::Point(_) => false,
+        }
+    }
+}
+
 /// The fan of rays from `apex` through the rim.
 #[derive(Clone, Debug)]
 pub(super) struct Wedge {
     pub(super) apex: DVec3,
-    pub(super) apex_vertex: VertexId,
+    generator: Apex,
     pub(super) rim: [DVec3; 2],
     /// The scene's vertices at the rim's ends; none when the rim is no edge of the scene.
     pub(super) rim_vertices: Option<[VertexId; 2]>,
@@ -61,12 +85,13 @@ pub(super) struct Sections {
 impl Wedge {
     /// None when apex and rim are collinear within the weld distance.
     pub(super) fn new(
-        apex: (VertexId, DVec3),
+        generator: Apex,
         rim: [DVec3; 2],
         rim_vertices: Option<[VertexId; 2]>,
         weld_distance: f64,
     ) -> Option<Self> {
-        let (a, b) = (rim[0] - apex.1, rim[1] - apex.1);
+        let apex = generator.position();
+        let (a, b) = (rim[0] - apex, rim[1] - apex);
         let cross = a.cross(b);
         let longest = a.length().max(b.length()).max(a.distance(b));
         if cross.length() <= weld_distance * longest {
@@ -74,11 +99,11 @@ impl Wedge {
         }
         let nearest = cross.length() / a.distance(b);
         Some(Self {
-            apex: apex.1,
-            apex_vertex: apex.0,
+            apex,
+            generator,
             rim,
             rim_vertices,
-            plane: Plane::new(apex.1, cross.normalize()),
+            plane: Plane::new(apex, cross.normalize()),
             normal_length: cross.length(),
             rim_slack: weld_distance / nearest,
         })
@@ -165,7 +190,7 @@ impl Wedge {
         let vertices = blockers.vertices(part);
         let is_on_rim = |v: &VertexId| self.rim_vertices.is_some_and(|r| r.contains(v));
         // A face through the apex meets the wedge in a single ray, a face along the rim only there.
-        if vertices.contains(&self.apex_vertex)
+        if self.generator.is_corner_of(vertices)
             || self
                 .rim_vertices
                 .is_some_and(|r| r.iter().all(|r| vertices.contains(r)))

@@ -3,8 +3,9 @@
 use super::obj_lite::ObjMesh;
 use super::rng::Rng;
 use super::scenes::{fixture, fixtures, read_fixture};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::path::PathBuf;
+use umbrage::discontinuity::{Discontinuity, FaceLines};
 use umbrage::io::{ReadSettings, read_scene};
 use umbrage::pipeline::World;
 use umbrage::quantity::{Radiance, Rgb};
@@ -117,4 +118,21 @@ pub(crate) fn random_point(scene: &Scene, face: FaceId, rng: &mut Rng) -> DVec3 
     let [a, b, c] = chosen;
     let frame = &scene.faces[face].frame;
     frame.to_space(frame.to_plane(a + (b - a) * u + (c - a) * v))
+}
+/// All lines on one side of a face.
+pub(crate) fn all_lines(lines: &FaceLines) -> impl Iterator<Item = &Discontinuity> {
+    lines.contacts.iter().chain(&lines.candidates)
+}
+
+/// Distance of a point from a segment.
+pub(crate) fn distance_to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+    let d = b - a;
+    let t = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + d * t)
+}
+
+/// Length of the diagonal of the box around a face's outline, metres.
+pub(crate) fn size_of_face(scene: &Scene, face: FaceId) -> f64 {
+    let (low, high): (DVec2, DVec2) = scene.faces[face].outline.bounds();
+    low.distance(high)
 }

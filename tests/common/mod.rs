@@ -1,5 +1,6 @@
 //! What the tests share: fixtures, and references that reach the answers by other roads than the library.
 
+pub(crate) mod events;
 pub(crate) mod kinks;
 pub(crate) mod library;
 pub(crate) mod obj_lite;

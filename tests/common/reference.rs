@@ -211,7 +211,7 @@ pub(super) fn lambert_edge(n: DVec3, a: DVec3, b: DVec3, step: DVec3) -> f64 {
 }
 
 /// Each corner with the next.
-pub(super) fn pairs<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> + '_ {
+pub(crate) fn pairs<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> + '_ {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(&a, &b)| (a, b))
 }

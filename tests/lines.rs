@@ -1,6 +1,8 @@
 //! The lines that the search finds, held against closed forms.
 
-use crate::common::library::{faces_of, local_mesh, world_of};
+mod measure;
+
+use crate::common::library::{faces_of, local_mesh, regression_world, world_of};
 use crate::common::scenes::fixture_names;
 use crate::common::tables::rows;
 use glam::DVec3;
@@ -210,5 +212,23 @@ fn boxes_on_a_table_draw_their_feet_on_its_top() {
         assert!(back.contacts.is_empty(), "{name}: {:#?}", back.contacts);
         let [floor, below] = lines_on(&world, "floor");
         assert!(floor.contacts.is_empty() && below.contacts.is_empty());
+    }
+}
+
+#[test]
+fn no_line_gets_through_what_a_box_stands_on_or_into_the_box() {
+    let world = regression_world("box-on-two-sheets");
+    let box_faces = faces_of(&world.scene, "box");
+    let insides = box_faces.into_iter().map(|f| (f, FaceSide::Back));
+    let lower = faces_of(&world.scene, "lower")[0];
+    let dark = insides.chain([(lower, FaceSide::Front), (lower, FaceSide::Back)]);
+    for (face, side) in dark {
+        let [front, back] = lines_of_face(&world, face);
+        let lines = if side == FaceSide::Front { front } else { back };
+        assert!(
+            lines.candidates.is_empty(),
+            "{side:?} of {face:?}: {:#?}",
+            lines.candidates
+        );
     }
 }

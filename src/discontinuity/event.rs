@@ -1,5 +1,7 @@
 //! Enumerates the critical events, culls them, and has the rest traced.
 
+use super::corner::Corners;
+use super::span::LitSpans;
 use super::trace::{self, Landing};
 use super::wedge::{Apex, Wedge, side_of_face};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind, SearchReport};
@@ -63,6 +65,7 @@ pub(super) struct Search<'a> {
     light: &'a DirectLight<'a>,
     /// The edges that meet at each vertex.
     incident: IdVec<VertexId, Vec<EdgeId>>,
+    corners: Corners,
 }
 
 impl<'a> Search<'a> {
@@ -77,6 +80,7 @@ impl<'a> Search<'a> {
             scene,
             light,
             incident,
+            corners: Corners::new(scene, light.blockers),
         }
     }
 
@@ -168,7 +172,11 @@ fn past_vertices(
     let tol = scene.weld_distance;
     for (vertex, &position) in scene.vertices.iter() {
         let edges = &search.incident[vertex];
-        if plane.distance(position) <= tol || ends.contains(&vertex) || edges.is_empty() {
+        if plane.distance(position) <= tol
+            || ends.contains(&vertex)
+            || search.corners.is_unused(vertex)
+            || search.corners.is_covered(vertex)
+        {
             report.culled += 1;
             continue;
         }
@@ -176,17 +184,13 @@ fn past_vertices(
             report.culled += 1;
             continue;
         };
-        // The vertex must lie on the outline of its solid seen from some point of the emitter's edge.
-        let seen_from = [rim[0], 0.5 * (rim[0] + rim[1]), rim[1]];
-        if !seen_from
-            .iter()
-            .any(|&eye| edges.iter().any(|&e| is_silhouette_from(scene, eye, e)))
-        {
+        let lit = grazing(&search.corners, vertex, position, rim);
+        if lit.is_empty() {
             report.culled += 1;
             continue;
         }
         report.wedges += 1;
-        let landings = trace::past_vertex(&wedge, scene, light.blockers);
+        let landings = trace::past_vertex(&wedge, lit, scene, light.blockers);
         if landings.is_empty() {
             continue;
         }
@@ -252,12 +256,16 @@ fn is_silhouette(scene: &Scene, plane: &Plane, edge: EdgeId) -> bool {
     above != below
 }
 
-fn is_silhouette_from(scene: &Scene, eye: DVec3, edge: EdgeId) -> bool {
-    let [a, b] = scene.edges[edge].ends.map(|v| scene.vertices[v]);
-    (a - eye)
-        .cross(b - eye)
-        .try_normalize()
-        .is_some_and(|n| is_silhouette(scene, &Plane::new(eye, n), edge))
+/// The stretches of an emitter's edge (`rim`) from which a ray grazes the faces at a vertex.
+fn grazing(corners: &Corners, vertex: VertexId, position: DVec3, rim: [DVec3; 2]) -> LitSpans {
+    let mut lit = LitSpans::whole();
+    for pair in corners.changes(vertex, position, rim).windows(2) {
+        let eye = rim[0].lerp(rim[1], 0.5 * (pair[0] + pair[1]));
+        if !corners.is_grazed(vertex, position - eye) {
+            lit.remove(pair[0], pair[1]);
+        }
+    }
+    lit
 }
 
 /// Turns landings into lines with their predicted jump.

@@ -11,6 +11,7 @@
 //! ends are parameters along its generating edge, evaluated once.
 
 mod contact;
+mod corner;
 mod edge_on;
 mod event;
 mod horizon;

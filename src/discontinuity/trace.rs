@@ -21,15 +21,21 @@ pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Ve
     hide(&mut lit, &sections, wedge.rim_slack);
     let behind: Vec<Section> = sections
         .into_iter()
-        .filter_map(|s| keep_below(s, 1.0 - wedge.rim_slack))
+        .filter_map(|s| keep_below(s, wedge.rim_slack))
         .collect();
     land(scene, &lit, &behind, |s| (wedge.apex, wedge.rim_at(s)))
 }
 
 /// EV: rays from the emitter edge (rim) graze the blocker vertex (apex) and land on the first face behind it.
-pub(super) fn past_vertex(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Vec<Landing> {
+///
+/// `lit` is where the faces at the vertex let them pass.
+pub(super) fn past_vertex(
+    wedge: &Wedge,
+    mut lit: LitSpans,
+    scene: &Scene,
+    blockers: &Blockers,
+) -> Vec<Landing> {
     let sections = wedge.sections_both_ways(scene, blockers);
-    let mut lit = LitSpans::whole();
     hide(&mut lit, &sections.front, wedge.rim_slack);
     land(scene, &lit, &sections.back, |s| {
         (wedge.rim_at(s), wedge.apex)
@@ -71,20 +77,23 @@ fn range_above(s: &Section, limit: f64) -> Option<(f64, f64)> {
     }
 }
 
-/// The part of a section that is farther than `limit`.
-fn keep_below(s: Section, limit: f64) -> Option<Section> {
-    let (from, to) = match range_above(&s, limit) {
-        None => return Some(s),
+/// The part of a section that lies behind the rim or on it. What lies on it from end to end stops the light there: the
+/// rim itself touches that face.
+fn keep_below(s: Section, slack: f64) -> Option<Section> {
+    let (from, to) = match range_above(&s, 1.0 + slack) {
+        None => (s.s0, s.s1),
         Some((a, b)) if a <= s.s0 && b >= s.s1 => return None,
         Some((a, b)) if a <= s.s0 => (b, s.s1),
         Some((a, _)) => (s.s0, a),
     };
-    (from < to).then(|| Section {
+    let (w0, w1) = (s.w(from), s.w(to));
+    let is_on_rim = w0.min(w1) >= 1.0 - slack;
+    (from < to).then_some(Section {
         s0: from,
-        w0: s.w(from),
+        w0,
         s1: to,
-        w1: s.w(to),
-        face: s.face,
+        w1,
+        face: s.face.filter(|_| !is_on_rim),
     })
 }
 

@@ -17,6 +17,9 @@ pub(crate) enum Surface {
     Quadric,
 }
 
+/// Something that vanishes on a surface.
+type Height<'a> = &'a dyn Fn(DVec3) -> f64;
+
 /// Vertices and edges of all polygons.
 pub(crate) struct Events {
     vertices: Vec<(DVec3, bool)>,
@@ -111,7 +114,7 @@ impl Events {
         self.is_on_quadric(&vanishes).then_some(Surface::Quadric)
     }
 
-    fn is_on_quadric(&self, vanishes: &dyn Fn(&dyn Fn(DVec3) -> f64) -> bool) -> bool {
+    fn is_on_quadric(&self, vanishes: &dyn Fn(Height) -> bool) -> bool {
         let edges = &self.edges;
         let skew = |i: usize, j: usize| are_skew(edges[i].0, edges[j].0);
         (0..edges.len()).any(|i| {

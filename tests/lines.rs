@@ -1,5 +1,6 @@
 //! The lines that the search finds, held against closed forms.
 
+mod cities;
 mod measure;
 
 use crate::common::library::{faces_of, local_mesh, regression_world, world_of};

@@ -16,10 +16,15 @@ pub(super) struct Landing {
 
 /// VE: rays from the emitter vertex (apex) graze the blocker edge (rim) and land on the first face behind it.
 pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Vec<Landing> {
-    let sections = wedge.sections(scene, blockers).front;
+    // Most wedges end before the rim: what lies behind it need not be known.
     let mut lit = LitSpans::whole();
-    hide(&mut lit, &sections, wedge.rim_slack);
-    let behind: Vec<Section> = sections
+    let before = wedge.sections_before_rim(scene, blockers);
+    hide(&mut lit, &before, wedge.rim_slack);
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let behind: Vec<Section> = wedge
+        .sections_ahead(scene, blockers)
         .into_iter()
         .filter_map(|s| keep_below(s, wedge.rim_slack))
         .collect();
@@ -35,11 +40,13 @@ pub(super) fn past_vertex(
     scene: &Scene,
     blockers: &Blockers,
 ) -> Vec<Landing> {
-    let sections = wedge.sections_both_ways(scene, blockers);
-    hide(&mut lit, &sections.front, wedge.rim_slack);
-    land(scene, &lit, &sections.back, |s| {
-        (wedge.rim_at(s), wedge.apex)
-    })
+    let before = wedge.sections_before_rim(scene, blockers);
+    hide(&mut lit, &before, wedge.rim_slack);
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let behind = wedge.sections_beyond(scene, blockers);
+    land(scene, &lit, &behind, |s| (wedge.rim_at(s), wedge.apex))
 }
 
 /// The stretches of the rim that the apex sees.
@@ -47,7 +54,7 @@ pub(super) fn lit_on_rim(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> V
     let mut lit = LitSpans::whole();
     hide(
         &mut lit,
-        &wedge.sections(scene, blockers).front,
+        &wedge.sections_before_rim(scene, blockers),
         wedge.rim_slack,
     );
     lit.iter().collect()

@@ -17,6 +17,9 @@ use crate::visibility::{Blockers, Part, Region};
 use glam::DVec3;
 use smallvec::SmallVec;
 
+/// The box around everything.
+const UNBOUNDED: (DVec3, DVec3) = (DVec3::NEG_INFINITY, DVec3::INFINITY);
+
 /// Where the rays of a wedge start or meet.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Apex {
@@ -136,38 +139,46 @@ impl Wedge {
         )
     }
 
-    /// The half-spaces that hold the fan on both sides of its apex: a slab about the plane.
-    fn region(&self, slack: f64, is_double: bool) -> Region {
+    /// The half-spaces that hold the rays towards the rim (`sign` 1) or beyond the apex (−1), and a box around them.
+    fn region(&self, slack: f64, sign: f64, bounds: (DVec3, DVec3)) -> Region {
         let mut planes = SmallVec::new();
         let n = self.plane.normal;
         planes.push(Plane::new(self.apex - n * slack, n));
         planes.push(Plane::new(self.apex + n * slack, -n));
-        if !is_double {
-            let [a, b] = self.rim.map(|r| (r - self.apex).normalize());
-            planes.push(Plane::new(self.apex - n.cross(a) * slack, n.cross(a)));
-            planes.push(Plane::new(self.apex - b.cross(n) * slack, b.cross(n)));
-        }
-        Region {
-            planes,
-            bounds: (DVec3::NEG_INFINITY, DVec3::INFINITY),
-        }
+        let [a, b] = self.rim.map(|r| (r - self.apex).normalize() * sign);
+        planes.push(Plane::new(self.apex - n.cross(a) * slack, n.cross(a)));
+        planes.push(Plane::new(self.apex - b.cross(n) * slack, b.cross(n)));
+        Region { planes, bounds }
     }
 
-    /// Cuts the wedge's plane with every face near it.
-    pub(super) fn sections(&self, scene: &Scene, blockers: &Blockers) -> Sections {
-        self.sections_near(scene, blockers, false)
+    /// Sections with the faces near the triangle of apex and rim: all that can lie before the rim.
+    pub(super) fn sections_before_rim(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
+        let pad = DVec3::splat(blockers.weld_distance());
+        let [a, b] = self.rim;
+        let bounds = (self.apex.min(a).min(b) - pad, self.apex.max(a).max(b) + pad);
+        self.sections_in(scene, blockers, 1.0, bounds).front
     }
 
-    /// As [`Wedge::sections`], on both sides of the apex.
-    pub(super) fn sections_both_ways(&self, scene: &Scene, blockers: &Blockers) -> Sections {
-        self.sections_near(scene, blockers, true)
+    /// Sections with all faces that the rays towards the rim and on from there meet.
+    pub(super) fn sections_ahead(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
+        self.sections_in(scene, blockers, 1.0, UNBOUNDED).front
     }
 
-    fn sections_near(&self, scene: &Scene, blockers: &Blockers, is_double: bool) -> Sections {
+    /// Sections with all faces that the rays beyond the apex meet.
+    pub(super) fn sections_beyond(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
+        self.sections_in(scene, blockers, -1.0, UNBOUNDED).back
+    }
+
+    fn sections_in(
+        &self,
+        scene: &Scene,
+        blockers: &Blockers,
+        sign: f64,
+        bounds: (DVec3, DVec3),
+    ) -> Sections {
         let mut parts = Vec::new();
-        blockers.query(&self.region(blockers.weld_distance(), is_double), |i| {
-            parts.push(i);
-        });
+        let region = self.region(blockers.weld_distance(), sign, bounds);
+        blockers.query(&region, |i| parts.push(i));
         parts.sort_unstable();
         let mut out = Sections::default();
         for i in parts {

@@ -80,7 +80,9 @@ impl World {
     /// # Errors
     /// When nothing usable is left.
     pub fn new(raw: &RawScene, settings: &Settings) -> Result<Self, BadInput> {
-        let (scene, clean, mut warnings) = clean(raw, &settings.clean)?;
+        let (scene, clean, repairs) = clean(raw, &settings.clean)?;
+        let mut warnings = raw.warnings.clone();
+        warnings.extend(repairs);
         if scene.emitters.is_empty() {
             warnings.push(Warning::new(
                 &scene.source,

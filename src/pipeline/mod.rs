@@ -2,9 +2,11 @@
 
 mod conform;
 mod exposure;
+mod lines;
 mod measure;
 mod summary;
 
+pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
 pub use summary::{LeftOut, Stage, Summary};
 

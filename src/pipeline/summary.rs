@@ -1,6 +1,7 @@
 //! Counts, times and errors of one run, for people and machines.
 
-use super::{Measured, Solution};
+use super::lines::line_counts;
+use super::{LineCount, Measured, Solution};
 use crate::adapt::AdaptReport;
 use crate::discontinuity::SearchReport;
 use crate::radiosity::{Bounces, SolveReport};
@@ -37,6 +38,8 @@ pub struct Summary {
     pub lines_kept: usize,
     /// Contact lines (D0).
     pub contacts: usize,
+    /// Lines by order and kind, contact lines among them.
+    pub line_counts: Vec<LineCount>,
     /// Sides of faces that may receive light.
     pub sides: usize,
     /// Of these, sides that light reaches.
@@ -100,6 +103,7 @@ impl Summary {
         self.lines_kept = receivers.iter().map(|r| r.kept().count()).sum();
         self.contacts = receivers.iter().map(|r| r.lines.contacts.len()).sum();
         self.gathers = solution.indirect.as_ref().map_or(0, |f| f.gathers());
+        self.line_counts = line_counts(solution);
         self.error_asked = solution.settings.error;
         let mean = self.measured.mean;
         self.error_estimated = if mean > 0.0 {

@@ -1,78 +1,68 @@
 //! Arguments as typed.
 
+use super::bake::BakeArgs;
+use super::compare::CompareArgs;
+use super::render::RenderArgs;
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Light that is right, baked into the mesh.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100)]
-pub(crate) struct Args {
+#[command(name = "umbrage", version, about, max_term_width = 100)]
+pub(super) struct Args {
     #[command(subcommand)]
-    pub(crate) command: Command,
+    pub(super) command: Command,
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Command {
-    /// Scene in, lit glTF out. Without a scene: the built-in Cornell box
+pub(super) enum Command {
+    /// Scene in, lit glTF out. Without a scene: the built-in Cornell box, and a picture of it
     Bake(BakeArgs),
+    /// A picture of a lit glTF
+    Render(RenderArgs),
+    /// Golden-image check: exit code 0 within the tolerance, 1 beyond it
+    Compare(CompareArgs),
 }
 
 /// How a scene is read and lit.
 #[derive(Debug, ClapArgs)]
-pub(crate) struct SceneArgs {
+pub(super) struct SceneArgs {
     /// Scene: .obj (with .mtl), .gltf or .glb; the built-in Cornell box when left out
-    pub(crate) scene: Option<PathBuf>,
+    pub(super) scene: Option<PathBuf>,
     /// Relative RMS error of irradiance over the lit surfaces that you accept
     #[arg(long, default_value_t = 0.01)]
-    pub(crate) error: f64,
+    pub(super) error: f64,
     /// Length of one unit of an OBJ file
     #[arg(long, value_name = "m|cm|mm|in|ft")]
-    pub(crate) unit: Option<String>,
-    /// The axis that points up in the file
+    pub(super) unit: Option<String>,
+    /// The axis that points up in the file; what is written has y up
     #[arg(long, default_value = "y", value_name = "y|z")]
-    pub(crate) up: String,
+    pub(super) up: String,
     /// How often light is reflected: a number, or all
     #[arg(long, default_value = "all", value_name = "N|all")]
-    pub(crate) bounces: String,
+    pub(super) bounces: String,
     /// Threads; all processors when left out
     #[arg(long)]
-    pub(crate) threads: Option<usize>,
+    pub(super) threads: Option<usize>,
     /// Seed of the points at which the error is measured
     #[arg(long, default_value_t = 1)]
-    pub(crate) seed: u64,
+    pub(super) seed: u64,
     /// Number of points at which the error is measured
     #[arg(long, default_value_t = 1000)]
-    pub(crate) samples: u32,
+    pub(super) samples: u32,
     /// Below this distance two points are the same point, metres; a millionth of the scene when left out
     #[arg(long)]
-    pub(crate) weld: Option<f64>,
+    pub(super) weld: Option<f64>,
     /// How far a corner may lie outside its face's plane, metres; the weld distance when left out
     #[arg(long)]
-    pub(crate) planarity: Option<f64>,
-    /// Writes the summary for machines
+    pub(super) planarity: Option<f64>,
+    /// Writes the summary for machines (docs/summary.md)
     #[arg(long, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
+    pub(super) json: Option<PathBuf>,
     /// Says nothing but errors
     #[arg(long)]
-    pub(crate) quiet: bool,
+    pub(super) quiet: bool,
     /// Says more: every warning
     #[arg(short, long)]
-    pub(crate) verbose: bool,
-}
-
-#[derive(Debug, ClapArgs)]
-pub(crate) struct BakeArgs {
-    #[command(flatten)]
-    pub(crate) scene: SceneArgs,
-    /// The lit glTF; SCENE.lit.glb when left out
-    #[arg(short, long, value_name = "OUT.glb")]
-    pub(crate) output: Option<PathBuf>,
-    /// Brightness: auto, or EV (colours are scaled by 2^EV)
-    #[arg(
-        long,
-        default_value = "auto",
-        value_name = "auto|EV",
-        allow_hyphen_values = true
-    )]
-    pub(crate) exposure: String,
+    pub(super) verbose: bool,
 }

@@ -2,30 +2,78 @@
 
 mod args;
 mod bake;
+mod compare;
+mod fault;
+mod lighting;
+mod memory;
 mod options;
+mod picture;
 mod progress;
+mod render;
 
-pub(crate) use args::Args;
+mod table;
+mod terminal;
+mod usage;
 
-use crate::cli::args::Command;
+use args::{Args, Command};
+use clap::Parser;
 use std::process::ExitCode;
+use umbrage::pipeline::LightError;
 
-/// How a command ended, short of bad input.
-pub(crate) enum Outcome {
+/// How a command ended, short of an error.
+enum Outcome {
     /// Done.
     Done,
+    /// The work was done, and failed the check that was asked for.
+    CheckFailed,
 }
 
-/// Runs the command; the exit code is decided here and nowhere else: 0 done, 1 a check failed, 2 bad input or use.
-pub(crate) fn run(args: Args) -> ExitCode {
-    let result = match args.command {
-        Command::Bake(a) => bake::run(&a),
+/// Exit codes; README.md lists them.
+const FAILED: u8 = 1;
+const BAD_INPUT: u8 = 2;
+
+/// Runs the program. Exit codes are decided here and nowhere else: 0 done; 1 a check failed, or the program has a fault
+/// of its own; 2 bad input or use.
+pub(crate) fn main() -> ExitCode {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(message) if message.use_stderr() => {
+            terminal::error(&usage::one_line(&message));
+            return ExitCode::from(BAD_INPUT);
+        }
+        // Help and version are what was asked for.
+        Err(text) => return exit_code(terminal::print(&text.to_string()).map(|()| Outcome::Done)),
     };
+    match fault::caught(|| run(&args.command)) {
+        Ok(result) => exit_code(result),
+        Err(fault) => {
+            terminal::error(&fault);
+            ExitCode::from(FAILED)
+        }
+    }
+}
+
+fn run(command: &Command) -> anyhow::Result<Outcome> {
+    match command {
+        Command::Bake(a) => bake::run(a),
+        Command::Render(a) => render::run(a),
+        Command::Compare(a) => compare::run(a),
+    }
+}
+
+fn exit_code(result: anyhow::Result<Outcome>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
+        Ok(Outcome::CheckFailed) => ExitCode::from(FAILED),
+        Err(error) => match error.downcast_ref::<LightError>() {
+            Some(LightError::Mesh(bug)) => {
+                terminal::error(&fault::message(&bug.to_string()));
+                ExitCode::from(FAILED)
+            }
+            _ => {
+                terminal::error(&format!("{error:#}"));
+                ExitCode::from(BAD_INPUT)
+            }
+        },
     }
 }

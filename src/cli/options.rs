@@ -1,7 +1,8 @@
 //! Arguments checked and made usable.
 
 use super::args::SceneArgs;
-use std::path::Path;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
 use umbrage::bad_input::BadInput;
 use umbrage::io::{ReadSettings, Unit, UpAxis, builtin, read_scene};
 use umbrage::radiosity::Bounces;
@@ -112,4 +113,104 @@ pub(super) fn default_output(scene: Option<&Path>) -> std::path::PathBuf {
         .and_then(Path::file_stem)
         .map_or_else(|| "cornell".into(), |s| s.to_string_lossy().into_owned());
     format!("{stem}.lit.glb").into()
+}
+
+/// Refuses to write over the scene, or two results into one file.
+pub(super) fn check_outputs(args: &SceneArgs, outputs: &[&Path]) -> Result<(), BadInput> {
+    let inputs: Vec<&Path> = args.scene.iter().map(PathBuf::as_path).collect();
+    let outputs: Vec<&Path> = outputs
+        .iter()
+        .copied()
+        .chain(args.json.iter().map(PathBuf::as_path))
+        .collect();
+    check_distinct(&inputs, &outputs)
+}
+
+/// Refuses outputs that are inputs, or named twice. Devices may be.
+pub(super) fn check_distinct(inputs: &[&Path], outputs: &[&Path]) -> Result<(), BadInput> {
+    let place = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let is_device = |path: &Path| path.exists() && !path.is_file();
+    for (i, output) in outputs.iter().enumerate() {
+        if is_device(output) {
+            continue;
+        }
+        let same = |other: &&Path| place(other) == place(output);
+        let what = if inputs.iter().any(same) {
+            "is read and would be written over"
+        } else if outputs[..i].iter().any(same) {
+            "is named for two results"
+        } else {
+            continue;
+        };
+        return Err(BadInput::new(
+            output.display().to_string(),
+            what,
+            "name another file",
+        ));
+    }
+    Ok(())
+}
+
+/// All bytes of a file.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, BadInput> {
+    std::fs::read(path).map_err(|error| {
+        BadInput::new(
+            path.display().to_string(),
+            format!("cannot be read: {error}"),
+            "check the path and the permissions",
+        )
+    })
+}
+
+/// The line that tells of a file.
+pub(super) fn written(path: &Path, bytes: usize) -> String {
+    format!("written      {} ({})\n", path.display(), size(bytes as u64))
+}
+
+/// A number of bytes for people.
+pub(super) fn size(bytes: u64) -> String {
+    let b = bytes as f64;
+    match bytes {
+        0..1_000 => format!("{bytes} bytes"),
+        1_000..1_000_000 => format!("{:.0} kB", b / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", b / 1e6),
+        _ => format!("{:.2} GB", b / 1e9),
+    }
+}
+
+/// Pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PictureSize {
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+/// `WxH`.
+pub(super) fn picture_size(text: &str) -> Result<PictureSize, String> {
+    let (w, h) = text.split_once(['x', 'X', '×']).unwrap_or((text, ""));
+    match (w.parse(), h.parse()) {
+        (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok(PictureSize { width, height }),
+        _ => Err("give width and height in pixels, such as 800x600".to_owned()),
+    }
+}
+
+/// `x,y,z`.
+pub(super) fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map_while(|part| part.trim().parse().ok())
+        .filter(|n: &f64| n.is_finite())
+        .collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(DVec3::new(x, y, z)),
+        _ => Err("give three numbers with commas between them, such as 0,1.5,-2".to_owned()),
+    }
+}
+
+/// Degrees between 0 and 180, as radians.
+pub(super) fn angle(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees.to_radians()),
+        _ => Err("give an angle between 0 and 180 degrees".to_owned()),
+    }
 }

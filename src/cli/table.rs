@@ -1,0 +1,156 @@
+//! The summary of a run as a table for people.
+
+use super::{memory, options};
+use std::fmt::Write;
+use umbrage::pipeline::{Summary, World};
+use umbrage::scene::CleanReport;
+
+/// Everything worth knowing about a run in some fifteen lines.
+pub(super) fn summary_table(world: &World, s: &Summary) -> String {
+    let c = &s.clean;
+    let mut rows = Rows::default();
+    rows.add("scene", &world.scene.source);
+    rows.add(
+        "input",
+        format!(
+            "{}, {} m across",
+            count(c.polygons, "polygon"),
+            significant(world.scene.diagonal)
+        ),
+    );
+    rows.add(
+        "repaired",
+        repairs(c).unwrap_or_else(|| "nothing".to_owned()),
+    );
+    rows.add(
+        "surfaces",
+        format!(
+            "{}, {}, {}; {} emitting; light reaches {} of {} sides, {} m²",
+            count(c.faces, "face"),
+            count(c.edges, "edge"),
+            if c.vertices == 1 {
+                "1 vertex".to_owned()
+            } else {
+                format!("{} vertices", c.vertices)
+            },
+            count(c.emitters, "side"),
+            s.lit_sides,
+            s.sides,
+            significant(s.lit_area_m2)
+        ),
+    );
+    let kept: usize = s.line_counts.iter().map(|l| l.kept).sum();
+    let found: usize = s.line_counts.iter().map(|l| l.found).sum();
+    rows.add("lines", format!("{found} found, {kept} kept"));
+    for l in &s.line_counts {
+        rows.add(
+            "",
+            format!(
+                "D{} {:<8}{:>7} found {:>7} kept",
+                l.order, l.kind, l.found, l.kept
+            ),
+        );
+    }
+    rows.add(
+        "mesh",
+        format!(
+            "{}, {}",
+            count(s.elements, "element"),
+            count(s.sites, "value")
+        ),
+    );
+    if s.solve.sites > 0 {
+        rows.add(
+            "indirect",
+            format!(
+                "{}, {}, {}, {}",
+                count(s.solve.elements, "element"),
+                count(s.solve.sites, "unknown"),
+                count(s.solve.coefficients, "coefficient"),
+                count(s.solve.residuals.len(), "sweep")
+            ),
+        );
+    }
+    let m = &s.measured;
+    rows.add(
+        "error",
+        format!(
+            "asked {}, estimated {}, measured {} rms and {} max ({}, mean {} W/m²)",
+            percent(s.error_asked),
+            percent(s.error_estimated),
+            percent(m.relative_rms),
+            percent(m.relative_max),
+            count(m.samples as usize, "point"),
+            significant(m.mean)
+        ),
+    );
+    let total: f64 = s.stages.iter().map(|t| t.seconds).sum();
+    let stages: Vec<String> = s
+        .stages
+        .iter()
+        .map(|t| format!("{} {:.2}", t.name, t.seconds))
+        .collect();
+    rows.add("time", format!("{total:.2} s: {}", stages.join(", ")));
+    if let Some(bytes) = memory::peak_bytes() {
+        rows.add("memory", format!("{} at most", options::size(bytes)));
+    }
+    for l in &s.left_out {
+        rows.add("left out", format!("{}: {}", l.what, l.why));
+    }
+    rows.add("warnings", world.warnings.len().to_string());
+    rows.text
+}
+
+#[derive(Default)]
+struct Rows {
+    text: String,
+}
+
+impl Rows {
+    fn add(&mut self, name: &str, value: impl AsRef<str>) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "{name:<13}{}", value.as_ref());
+    }
+}
+
+fn repairs(c: &CleanReport) -> Option<String> {
+    let all = [
+        (c.welded, "positions welded"),
+        (c.degenerate, "degenerate polygons dropped"),
+        (c.duplicates + c.duplicate_faces, "duplicates dropped"),
+        (c.self_crossing, "self-crossing polygons dropped"),
+        (c.bent, "bent polygons cut"),
+        (c.t_junctions, "vertices inserted into edges"),
+        (c.straightened, "vertices removed from straight edges"),
+        (c.unmerged, "overlapping coplanar sets left"),
+    ];
+    let some: Vec<String> = all
+        .iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| format!("{what}: {n}"))
+        .collect();
+    (!some.is_empty()).then(|| some.join(", "))
+}
+
+/// `1 edge`, `2 edges`.
+fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Two decimals of a per cent.
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// Four significant digits.
+fn significant(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let magnitude = x.abs().log10().floor() as i32;
+    if (-4..7).contains(&magnitude) {
+        format!("{x:.*}", (3 - magnitude).max(0) as usize)
+    } else {
+        format!("{x:.3e}")
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::bake::BakeArgs;
 use super::compare::CompareArgs;
+use super::probe::ProbeArgs;
 use super::render::RenderArgs;
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
@@ -18,6 +19,8 @@ pub(super) struct Args {
 pub(super) enum Command {
     /// Scene in, lit glTF out. Without a scene: the built-in Cornell box, and a picture of it
     Bake(BakeArgs),
+    /// Irradiance at points: a sensor grid
+    Probe(ProbeArgs),
     /// A picture of a lit glTF
     Render(RenderArgs),
     /// Golden-image check: exit code 0 within the tolerance, 1 beyond it

@@ -8,6 +8,7 @@ mod lighting;
 mod memory;
 mod options;
 mod picture;
+mod probe;
 mod progress;
 mod render;
 
@@ -56,6 +57,7 @@ pub(crate) fn main() -> ExitCode {
 fn run(command: &Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Bake(a) => bake::run(a),
+        Command::Probe(a) => probe::run(a),
         Command::Render(a) => render::run(a),
         Command::Compare(a) => compare::run(a),
     }

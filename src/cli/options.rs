@@ -28,11 +28,15 @@ fn read_settings(args: &SceneArgs) -> Result<ReadSettings, BadInput> {
             )
         })?),
     };
-    let up = args
-        .up
-        .parse::<UpAxis>()
-        .map_err(|_| BadInput::new("--up", format!("\"{}\" is no axis", args.up), "give y or z"))?;
+    let up = up(args)?;
     Ok(ReadSettings { unit, up })
+}
+
+/// The axis that points up in the file.
+pub(super) fn up(args: &SceneArgs) -> Result<UpAxis, BadInput> {
+    args.up
+        .parse()
+        .map_err(|_| BadInput::new("--up", format!("\"{}\" is no axis", args.up), "give y or z"))
 }
 
 /// How to light it.

@@ -14,6 +14,7 @@ mod gltf_write;
 mod lit_read;
 mod obj;
 mod png;
+mod sensor_list;
 mod units;
 
 pub use atomic::write_atomically;
@@ -21,6 +22,7 @@ pub use gltf_lines::{LineSet, write_lines_glb};
 pub use gltf_write::write_glb;
 pub use lit_read::read_lit;
 pub use png::{read_png, write_png};
+pub use sensor_list::{SensorList, read_sensors};
 pub use units::{Unit, UpAxis};
 
 use crate::bad_input::BadInput;

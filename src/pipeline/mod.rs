@@ -4,10 +4,12 @@ mod conform;
 mod exposure;
 mod lines;
 mod measure;
+mod probe;
 mod summary;
 
 pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
+pub use probe::{NoReading, OffMesh, Reading, Sensor, probe_exact, probe_mesh};
 pub use summary::{LeftOut, Stage, Summary};
 
 use crate::adapt::{self, Illumination, Receiver};

@@ -2,6 +2,7 @@
 
 use super::bake::BakeArgs;
 use super::compare::CompareArgs;
+use super::inspect::InspectArgs;
 use super::probe::ProbeArgs;
 use super::render::RenderArgs;
 use clap::{Args as ClapArgs, Parser, Subcommand};
@@ -21,6 +22,8 @@ pub(super) enum Command {
     Bake(BakeArgs),
     /// Irradiance at points: a sensor grid
     Probe(ProbeArgs),
+    /// What the mesher saw: lines, meshes, what was repaired, what was left out
+    Inspect(InspectArgs),
     /// A picture of a lit glTF
     Render(RenderArgs),
     /// Golden-image check: exit code 0 within the tolerance, 1 beyond it

@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod compare;
 mod fault;
+mod inspect;
 mod lighting;
 mod memory;
 mod options;
@@ -58,6 +59,7 @@ fn run(command: &Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Bake(a) => bake::run(a),
         Command::Probe(a) => probe::run(a),
+        Command::Inspect(a) => inspect::run(a),
         Command::Render(a) => render::run(a),
         Command::Compare(a) => compare::run(a),
     }

@@ -118,7 +118,7 @@ fn readings(
         ),
         Source::Mesh => probe_mesh(solution, &list.sensors).map_err(|missing| {
             BadInput::new(
-                format!("{}:{}", args.points.display(), list.lines[missing.index]),
+                format!("{}:{}", list.source, list.lines[missing.index]),
                 format!(
                     "the point {} (limit: {:.1e} m, the weld distance)",
                     missing.place, world.scene.weld_distance

@@ -2,8 +2,8 @@
 
 use super::{memory, options};
 use std::fmt::Write;
-use umbrage::pipeline::{Summary, World};
-use umbrage::scene::CleanReport;
+use umbrage::pipeline::{Solution, Summary, World};
+use umbrage::scene::{CleanReport, FaceSide};
 
 /// Everything worth knowing about a run in some fifteen lines.
 pub(super) fn summary_table(world: &World, s: &Summary) -> String {
@@ -153,4 +153,40 @@ fn significant(x: f64) -> String {
     } else {
         format!("{x:.3e}")
     }
+}
+
+/// Every lit side with its number, which `--face` takes.
+pub(super) fn faces_table(solution: &Solution) -> String {
+    let mut rows = Rows::default();
+    let scene = &solution.world.scene;
+    let _ = writeln!(
+        rows.text,
+        "\n  face side   elements  found   kept    area m²  object, material"
+    );
+    for r in &solution.receivers {
+        let (id, lines) = (r.domain.face, &r.lines);
+        let face = &scene.faces[id];
+        let _ = writeln!(
+            rows.text,
+            "{:>6} {:<6} {:>8} {:>6} {:>6} {:>10}  {}, {}{}",
+            id.0,
+            if r.domain.side == FaceSide::Front {
+                "front"
+            } else {
+                "back"
+            },
+            r.mesh.elements.len(),
+            lines.contacts.len() + lines.candidates.len(),
+            lines.contacts.len() + r.kept().count(),
+            significant(face.area),
+            scene.groups[face.group as usize],
+            scene.material_of(id).name,
+            if r.is_lit {
+                ""
+            } else {
+                " (no light reaches it)"
+            },
+        );
+    }
+    rows.text
 }

@@ -6,11 +6,13 @@
 
 mod atomic;
 pub mod builtin;
+mod face_svg;
 mod glb;
 mod glb_data;
 mod gltf_lines;
 mod gltf_read;
 mod gltf_write;
+mod line_table;
 mod lit_read;
 mod obj;
 mod png;
@@ -18,8 +20,10 @@ mod sensor_list;
 mod units;
 
 pub use atomic::write_atomically;
+pub use face_svg::face_svg;
 pub use gltf_lines::{LineSet, write_lines_glb};
 pub use gltf_write::write_glb;
+pub use line_table::{candidates_csv, cause_name, lines_csv};
 pub use lit_read::read_lit;
 pub use png::{read_png, write_png};
 pub use sensor_list::{SensorList, read_sensors};

@@ -8,6 +8,8 @@ use glam::DVec3;
 /// Sensors, and the lines that they came from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SensorList {
+    /// Name for messages.
+    pub source: String,
     /// In the order of the file.
     pub sensors: Vec<Sensor>,
     /// Number of each sensor's line, from 1.
@@ -19,7 +21,10 @@ pub struct SensorList {
 /// Positions are metres in the scene's own frame, whatever unit its file has; `up` turns them as it turns the scene.
 /// Normals may have any length.
 pub fn read_sensors(source: &str, text: &str, up: UpAxis) -> Result<SensorList, BadInput> {
-    let mut list = SensorList::default();
+    let mut list = SensorList {
+        source: source.to_owned(),
+        ..SensorList::default()
+    };
     for (number, line) in (1..).zip(text.lines()) {
         let words: Vec<&str> = line
             .split('#')

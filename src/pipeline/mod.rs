@@ -4,11 +4,13 @@ mod conform;
 mod exposure;
 mod lines;
 mod measure;
+mod mesh_edges;
 mod probe;
 mod summary;
 
 pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
+pub use mesh_edges::{EdgeRole, MeshEdge, mesh_edges};
 pub use probe::{NoReading, OffMesh, Reading, Sensor, probe_exact, probe_mesh};
 pub use summary::{LeftOut, Stage, Summary};
 

@@ -92,6 +92,9 @@ fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
 
 pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
     let samples = samples(solution, n, seed);
+    if samples.is_empty() {
+        return Measured::default();
+    }
     // Shown − exact, shown − (direct + field), field − gathered, and exact.
     let found: Vec<[Irradiance; 4]> = samples
         .par_iter()
@@ -126,7 +129,7 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
             },
         )
         .collect();
-    let count = found.len().max(1) as f64;
+    let count = found.len() as f64;
     // Summed in order, so that the figure does not depend on the number of threads.
     let mean = found.iter().map(|f| f[3].mean()).sum::<f64>() / count;
     let rms = |k: usize| (found.iter().map(|f| f[k].0.mean_square()).sum::<f64>() / count).sqrt();

@@ -97,7 +97,7 @@ impl Summary {
             .iter()
             .filter(|r| r.is_lit)
             .map(|r| r.area())
-            .sum();
+            .fold(0.0, |sum, area| sum + area);
         self.elements = receivers.iter().map(|r| r.mesh.elements.len()).sum();
         self.sites = receivers.iter().map(|r| r.mesh.site_vertices.len()).sum();
         self.lines_kept = receivers.iter().map(|r| r.kept().count()).sum();

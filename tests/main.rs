@@ -1,6 +1,7 @@
 //! All integration tests, one binary:
 //! - `exact`: the direct light at points, against a reference and closed forms.
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
+//! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
@@ -9,6 +10,7 @@ mod common;
 
 mod exact;
 mod kinks;
+mod cli;
 mod layering;
 mod lines;
 mod references;

@@ -36,7 +36,7 @@ pub(super) struct SceneArgs {
     /// Scene: .obj (with .mtl), .gltf or .glb; the built-in Cornell box when left out
     pub(super) scene: Option<PathBuf>,
     /// Relative RMS error of irradiance over the lit surfaces that you accept
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(long, default_value_t = 0.01, allow_negative_numbers = true)]
     pub(super) error: f64,
     /// Length of one unit of an OBJ file
     #[arg(long, value_name = "m|cm|mm|in|ft")]
@@ -45,10 +45,15 @@ pub(super) struct SceneArgs {
     #[arg(long, default_value = "y", value_name = "y|z")]
     pub(super) up: String,
     /// How often light is reflected: a number, or all
-    #[arg(long, default_value = "all", value_name = "N|all")]
+    #[arg(
+        long,
+        default_value = "all",
+        value_name = "N|all",
+        allow_negative_numbers = true
+    )]
     pub(super) bounces: String,
     /// Threads; all processors when left out
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub(super) threads: Option<usize>,
     /// Seed of the points at which the error is measured
     #[arg(long, default_value_t = 1)]
@@ -57,10 +62,10 @@ pub(super) struct SceneArgs {
     #[arg(long, default_value_t = 1000)]
     pub(super) samples: u32,
     /// Below this distance two points are the same point, metres; a millionth of the scene when left out
-    #[arg(long)]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub(super) weld: Option<f64>,
     /// How far a corner may lie outside its face's plane, metres; the weld distance when left out
-    #[arg(long)]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub(super) planarity: Option<f64>,
     /// Writes the summary for machines (docs/summary.md)
     #[arg(long, value_name = "FILE")]

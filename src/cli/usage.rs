@@ -1,7 +1,12 @@
 //! Wrong use, as one line.
 
+use clap::error::ErrorKind;
+
 /// What clap has to say without its usage screen: message, tips, and where to read on.
 pub(super) fn one_line(message: &clap::Error) -> String {
+    if message.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return "no command given; umbrage --help lists them".to_owned();
+    }
     let text = message.to_string();
     let body = text.split("\nUsage:").next().unwrap_or_default();
     let body = body

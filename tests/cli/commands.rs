@@ -1,0 +1,187 @@
+//! Every command on good input.
+
+use super::{Folder, small};
+use serde_json::Value;
+
+#[test]
+fn bake_without_a_scene_lights_the_built_in_one_and_takes_its_picture() {
+    let folder = Folder::new();
+    let run = folder.done("bake --error 0.05");
+    assert_eq!(folder.names(), ["cornell.lit.glb", "cornell.lit.png"]);
+    for word in [
+        "repaired",
+        "lines",
+        "D0 contact",
+        "measured",
+        "left out",
+        "memory",
+    ] {
+        let is_told = run.out.contains(word) || (word == "memory" && !cfg!(target_os = "linux"));
+        assert!(is_told, "{word} is missing in\n{}", run.out);
+    }
+    assert!(
+        run.err
+            .starts_with("warning: cornell-box: 1 of 16 polygons bent"),
+        "{}",
+        run.err
+    );
+    assert!(folder.read("cornell.lit.glb").starts_with(b"glTF"));
+    assert!(folder.read("cornell.lit.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn bake_names_its_output_after_the_scene_and_keeps_quiet_when_asked() {
+    let folder = Folder::new();
+    let run = folder.done(&format!("bake {} --error 0.1 --quiet", small()));
+    assert_eq!(folder.names(), ["square-over-square.lit.glb"]);
+    assert_eq!((run.out.as_str(), run.err.as_str()), ("", ""));
+}
+
+#[test]
+fn the_summary_for_machines_says_what_the_table_says() {
+    let folder = Folder::new();
+    folder.done(&format!(
+        "bake {} -o a.glb --error 0.02 --seed 7 --json a.json",
+        small()
+    ));
+    let json: Value = serde_json::from_str(&folder.text("a.json")).expect("JSON");
+    assert_eq!(json["command"], "bake");
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(json["settings"]["seed"], 7);
+    assert_eq!(json["outputs"][0], "a.glb");
+    let summary = &json["summary"];
+    assert_eq!(summary["clean"]["faces"], 3);
+    let measured = summary["measured"]["relative_rms"]
+        .as_f64()
+        .expect("a number");
+    assert!(measured > 0.0 && measured < 0.02, "{measured}");
+    let counts = summary["line_counts"].as_array().expect("a list");
+    let found: u64 = counts.iter().filter_map(|c| c["found"].as_u64()).sum();
+    assert_eq!(Some(found), summary["lines"]["lines"].as_u64());
+    let stages: Vec<&str> = summary["stages"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|s| s["name"].as_str())
+        .collect();
+    assert_eq!(stages[..3], ["read", "clean", "lines"]);
+    if cfg!(target_os = "linux") {
+        assert!(json["peak_memory_bytes"].as_u64() > Some(1 << 20));
+        assert!(summary["stages"][2]["peak_memory_bytes"].is_u64());
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = Folder::new();
+    let scene = small();
+    for (n, threads) in [1, 2, 1, 2].into_iter().enumerate() {
+        folder.done(&format!(
+            "bake {scene} -o {n}.glb --png {n}.png --error 0.02 --threads {threads} --quiet"
+        ));
+        folder.done(&format!(
+            "inspect {scene} --candidates {n}.csv --svg {n}.svg --face floor --mesh {n}.lines \
+             --error 0.02 --threads {threads} --quiet"
+        ));
+    }
+    for kind in ["glb", "png", "csv", "svg", "lines"] {
+        for n in 1..4 {
+            let same = folder.read(&format!("0.{kind}")) == folder.read(&format!("{n}.{kind}"));
+            assert!(same, "run {n}: another {kind}");
+        }
+    }
+}
+
+#[test]
+fn render_takes_pictures_from_cameras_and_from_anywhere() {
+    let folder = Folder::new();
+    folder.done("bake --error 0.1 --quiet");
+    folder.done("render cornell.lit.glb -o all.png --quiet");
+    assert_eq!(folder.read("all.png"), folder.read("cornell.lit.png"));
+    let run =
+        folder.done("render cornell.lit.glb -o 0.png --camera 0 --size 40x30 --supersample 1");
+    assert!(run.out.contains("0.png"), "{}", run.out);
+    let view = "--eye 0.3,0.3,-0.8 --target 0.3,0.3,0 --up 0,1,0 --size 40x20 --quiet";
+    folder.done(&format!("render cornell.lit.glb -o v.png {view} --fov 30"));
+    let hfov = (2.0 * (2.0 * 15.0_f64.to_radians().tan()).atan()).to_degrees();
+    folder.done(&format!(
+        "render cornell.lit.glb -o h.png {view} --hfov {hfov}"
+    ));
+    folder.done("compare v.png h.png");
+}
+
+#[test]
+fn compare_tells_same_different_and_incomparable_apart() {
+    let folder = Folder::new();
+    folder.done("bake --error 0.1 --quiet");
+    for (name, size, fov) in [("a", "30x30", 39), ("b", "30x30", 50), ("c", "20x20", 39)] {
+        folder.done(&format!(
+            "render cornell.lit.glb -o {name}.png --size {size} --fov {fov} --quiet"
+        ));
+    }
+    let same = folder.done("compare a.png a.png");
+    assert!(same.out.contains("same picture"), "{}", same.out);
+    let different = folder.run("compare a.png b.png --diff d.png");
+    assert_eq!(different.code, Some(1));
+    assert!(
+        different.out.contains("different pictures"),
+        "{}",
+        different.out
+    );
+    assert!(folder.read("d.png").starts_with(b"\x89PNG"));
+    folder.done("compare a.png b.png --max-error 255 --mean-error 255");
+    folder.refused("compare a.png c.png", "30 × 30");
+    folder.refused("compare a.png none.png", "none.png: cannot be read");
+    folder.refused("compare a.png b.png --diff b.png", "would be written over");
+}
+
+#[test]
+fn inspect_writes_the_lines_that_the_mesh_holds() {
+    let folder = Folder::new();
+    let header = "face,order,kind,x0,y0,z0,x1,y1,z1,jump,emitter,cause";
+    folder.done(&format!(
+        "inspect {} --lines l.csv --candidates c.csv --mesh m.glb --svg f.svg --face floor --quiet",
+        small()
+    ));
+    let (lines, candidates) = (folder.text("l.csv"), folder.text("c.csv"));
+    assert_eq!(lines.lines().next(), Some(header));
+    assert_eq!(candidates.lines().next(), Some(&*format!("{header},kept")));
+    let held = lines.lines().count() - 1;
+    assert!(
+        held >= 8,
+        "penumbra and umbra have four sides each:\n{lines}"
+    );
+    assert_eq!(
+        candidates.lines().filter(|l| l.ends_with(",1")).count(),
+        held
+    );
+    for line in lines.lines().skip(1) {
+        assert_eq!(line.split(',').count(), 12, "{line}");
+    }
+    // The outer border of the penumbra lies at ±1.5 m.
+    assert!(lines.lines().any(|l| l.contains("-1.5,0,")), "{lines}");
+    assert!(folder.read("m.glb").starts_with(b"glTF"));
+    let svg = folder.text("f.svg");
+    assert!(svg.starts_with("<svg ") && svg.contains("floor (face 0, front)"));
+}
+
+#[test]
+fn inspect_without_options_is_a_table() {
+    let folder = Folder::new();
+    let run = folder.done(&format!("inspect {} --error 0.05 -v", small()));
+    assert!(run.out.contains("D1"), "{}", run.out);
+    assert!(run.out.contains("floor, floor"), "{}", run.out);
+    assert_eq!(folder.names(), [""; 0]);
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = Folder::new();
+    assert!(folder.done("--help").out.contains("bake"));
+    assert!(folder.done("probe --help").out.contains("--points"));
+    let version = folder.done("--version").out;
+    assert_eq!(
+        version.trim(),
+        format!("umbrage {}", env!("CARGO_PKG_VERSION"))
+    );
+}

@@ -11,9 +11,11 @@ use umbrage::settings::{Exposure, Settings};
 
 /// The scene named by the arguments, or the built-in one.
 pub(super) fn scene(args: &SceneArgs) -> Result<RawScene, BadInput> {
+    // A wrong unit is told even where there is no file to use it on.
+    let settings = read_settings(args)?;
     match &args.scene {
         None => Ok(builtin::cornell_box()),
-        Some(path) => read_scene(path, &read_settings(args)?),
+        Some(path) => read_scene(path, &settings),
     }
 }
 

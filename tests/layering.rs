@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last stage; those on one line do not use each other, but for their own.
-const RANKS: [&[&str]; 14] = [
+const RANKS: [&[&str]; 15] = [
     &["bad_input", "warning", "quantity"],
     &["geom"],
     &["scene"],
     &["visibility"],
+    &["direct"],
     &["discontinuity"],
     &["mesh"],
-    &["direct"],
     &["radiosity"],
+    &["adapt"],
     &["settings"],
     &["lit_scene"],
     &["pipeline"],

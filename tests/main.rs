@@ -8,9 +8,9 @@
 
 mod common;
 
+mod cli;
 mod exact;
 mod kinks;
-mod cli;
 mod layering;
 mod lines;
 mod references;

@@ -54,6 +54,9 @@ const LATTICE_TRIANGLE: f64 = 0.433;
 /// of a large face; shadows announce themselves by their lines.
 const START_SPACING: f64 = 1.0 / 12.0;
 
+/// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
+const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
+
 /// How far beside a line light is looked for, as a share of its length.
 const BESIDE_SHARE: f64 = 0.01;
 
@@ -292,7 +295,11 @@ fn lit_sides(
         .par_iter()
         .zip(&views)
         .map_init(Scratch::default, |scratch, (&(face, side), views)| {
-            let mut shines = |v: &Viewpoint| !direct.irradiance(v, scratch).0.is_black();
+            let mut shines = |v: &Viewpoint| {
+                // What the cutting of cones leaves of a hidden emitter is no light.
+                let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
+                direct.irradiance(v, scratch).mean() > least
+            };
             views.iter().any(&mut shines)
                 || beside_lines(scene, &lines.of(face, side).candidates)
                     .iter()

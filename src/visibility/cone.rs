@@ -401,6 +401,10 @@ fn side_slack(a: DVec3, b: DVec3) -> f64 {
 }
 
 /// A convex piece cut by a plane through the viewpoint.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "lives on the stack for one cut; a box would cost an allocation each"
+)]
 enum Split {
     Inside,
     Outside,

@@ -28,11 +28,11 @@ const PIECE_SHARE: f64 = 0.5;
 const MAX_DIVISIONS: u32 = 5;
 
 /// Up to so many blockers an element in partial view is clipped exactly, however small it looks.
-const FEW_BLOCKERS: usize = 4;
+const FEW_BLOCKERS: usize = 2;
 
 /// Behind more blockers an element that looks this many times larger than what one ray is enough for is sampled at
 /// sixteen points.
-const MANY_BLOCKERS_FACTOR: f64 = 16.0;
+const MANY_BLOCKERS_FACTOR: f64 = 64.0;
 
 /// Coefficients of one row: `H = Σ weight · R[site] + Σ weight · mean R of a face`.
 #[derive(Clone, Debug, Default)]

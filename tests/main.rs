@@ -2,6 +2,8 @@
 //! - `exact`: the direct light at points, against a reference and closed forms.
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
+//! - `furnace`: closed rooms lose no light.
+//! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
@@ -11,6 +13,8 @@ mod common;
 mod cli;
 mod exact;
 mod kinks;
+mod furnace;
+mod honest;
 mod layering;
 mod lines;
 mod references;

@@ -1,0 +1,89 @@
+//! The whole table: `cargo test --release -- --ignored --nocapture honest::table`.
+
+use super::{Errors, POINTS, SLACK};
+use crate::common::bake::{bake, clean, raw, raw_at};
+use crate::common::fine_field::FineField;
+use crate::common::scenes::{fixture_names, shared_scene};
+use std::time::Instant;
+use umbrage::radiosity::Bounces;
+use umbrage::scene::RawScene;
+
+/// Elements of the reference solution: 2.6 times as many as a bake to 0.1 % takes.
+const FINE_ELEMENTS: f64 = 6000.0;
+
+const HEADER: &str = "\
+scene                         asked  estim.   meas.     rms     max  direct interpol. solution elements  lines       s";
+
+#[test]
+#[ignore = "prints the table of all fixtures: minutes in release"]
+fn fixtures() {
+    eprintln!("{HEADER}");
+    for name in fixture_names() {
+        let is_plain = !["-t1e", "-s1e"].iter().any(|mark| name.contains(mark));
+        if is_plain {
+            print_rows(&name, &raw(&name), &[0.03, 0.01, 0.003]);
+        }
+    }
+}
+
+#[test]
+#[ignore = "prints the table of both Cornell boxes; needs scenes from outside the repository"]
+fn cornell_boxes() {
+    eprintln!("{HEADER}");
+    for name in ["cornell-mcguire", "cornell-bitterli"] {
+        if let Some(path) = shared_scene(&format!("{name}/{name}.obj")) {
+            print_rows(name, &raw_at(&path), &[0.03, 0.01, 0.003]);
+        }
+    }
+}
+
+#[test]
+#[ignore = "prints the table of large scenes; needs scenes from outside the repository"]
+fn large_scenes() {
+    eprintln!("{HEADER}");
+    for file in [
+        "veach-ajar/veach-ajar.obj",
+        "godot-living-room/living_room_lit.glb",
+    ] {
+        if let Some(path) = shared_scene(file) {
+            print_rows(file, &raw_at(&path), &[0.03, 0.01]);
+        }
+    }
+}
+
+/// Bakes at each error, and prints a row for each.
+fn print_rows(name: &str, raw: &RawScene, errors: &[f64]) {
+    let world = clean(raw);
+    let mut fine = None;
+    for &error in errors {
+        let start = Instant::now();
+        let solution = bake(&world, error, Bounces::All);
+        let seconds = start.elapsed().as_secs_f64();
+        if fine.is_none() {
+            fine = FineField::new(&solution, FINE_ELEMENTS);
+        }
+        let e = Errors::measure(&solution, fine.as_ref(), POINTS, 91);
+        let s = &solution.summary;
+        eprintln!(
+            "{name:28} {error:6} {:7.4} {:7.4} {:7.4} {:7.3} {:7.4}   {:7.4}  {:7.4} {:8} {:6} {seconds:7.1}{}",
+            s.error_estimated,
+            s.measured.relative_rms,
+            e.rms,
+            e.max,
+            e.direct,
+            e.interpolation,
+            e.solution,
+            s.elements,
+            s.lines_kept,
+            verdict(&e, error),
+        );
+    }
+}
+
+fn verdict(e: &Errors, asked: f64) -> &'static str {
+    match e.rms / asked {
+        r if r > SLACK => "  MISSED",
+        r if r < 0.1 => "  ten times better than asked",
+        _ => "",
+    }
+}

@@ -6,6 +6,7 @@
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
+//! - `metamorphic`: what must not change when the scene is turned, moved, scaled or reordered.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 
 mod common;
@@ -17,4 +18,5 @@ mod furnace;
 mod honest;
 mod layering;
 mod lines;
+mod metamorphic;
 mod references;

@@ -2,6 +2,7 @@
 //! - `exact`: the direct light at points, against a reference and closed forms.
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
+//! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
 //! - `furnace`: closed rooms lose no light.
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
@@ -14,6 +15,7 @@ mod common;
 mod cli;
 mod exact;
 mod kinks;
+mod conform;
 mod furnace;
 mod honest;
 mod layering;

@@ -3,6 +3,7 @@
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
+//! - `elements`: what the lines are worth.
 //! - `furnace`: closed rooms lose no light.
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
@@ -16,6 +17,7 @@ mod cli;
 mod exact;
 mod kinks;
 mod conform;
+mod elements;
 mod furnace;
 mod honest;
 mod layering;

@@ -2,6 +2,7 @@
 //! - `exact`: the direct light at points, against a reference and closed forms.
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
+//! - `bounced`: bounced light is what a path tracer finds.
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
 //! - `elements`: what the lines are worth.
 //! - `furnace`: closed rooms lose no light.
@@ -16,6 +17,7 @@ mod common;
 mod cli;
 mod exact;
 mod kinks;
+mod bounced;
 mod conform;
 mod elements;
 mod furnace;

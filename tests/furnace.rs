@@ -149,7 +149,7 @@ fn l_room_is_an_even_furnace() {
 }
 
 #[test]
-#[ignore = "does not end within a minute in release"]
+#[ignore = "does not end: emitters in slanted planes light their own backs"]
 fn cornell_room_is_an_even_furnace() {
     check("furnace-cornell", 0.05);
 }

@@ -6,6 +6,7 @@
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
 //! - `elements`: what the lines are worth.
 //! - `furnace`: closed rooms lose no light.
+//! - `golden`: pictures of lit fixtures stay what they are.
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
@@ -21,6 +22,7 @@ mod bounced;
 mod conform;
 mod elements;
 mod furnace;
+mod golden;
 mod honest;
 mod layering;
 mod lines;

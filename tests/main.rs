@@ -15,15 +15,15 @@
 
 mod common;
 
-mod cli;
-mod exact;
-mod kinks;
 mod bounced;
+mod cli;
 mod conform;
 mod elements;
+mod exact;
 mod furnace;
 mod golden;
 mod honest;
+mod kinks;
 mod layering;
 mod lines;
 mod metamorphic;

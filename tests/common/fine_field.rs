@@ -18,6 +18,9 @@ pub(crate) struct FineField<'a> {
     blockers: &'a Blockers,
 }
 
+/// The error for which the fine mesh is made: faces are hardly ever judged by a ray.
+const FINE_ERROR: f64 = 1e-4;
+
 impl<'a> FineField<'a> {
     /// Solves on about `elements` elements over the same sides as `solution`; `None` when that has no indirect light.
     pub(crate) fn new(solution: &Solution<'a>, elements: f64) -> Option<Self> {
@@ -45,7 +48,7 @@ impl<'a> FineField<'a> {
             })
             .collect();
         let spacing = (area / (0.433 * elements)).sqrt();
-        let mesh = SolveMesh::new(domains, spacing).expect("the scene can be meshed");
+        let mesh = SolveMesh::new(domains, spacing, FINE_ERROR).expect("the scene can be meshed");
         let blockers = &solution.world.blockers;
         let transport = Transport::new(&mesh, blockers);
         let direct = direct_light(&mesh, solution);

@@ -1,7 +1,7 @@
 //! What the tests share: fixtures, and references that reach the answers by other roads than the library.
 
-pub(crate) mod events;
 pub(crate) mod bake;
+pub(crate) mod events;
 pub(crate) mod fine_field;
 pub(crate) mod kinks;
 pub(crate) mod library;

@@ -160,7 +160,8 @@ pub fn light<'a>(
         let transport = Transport::new(&mesh, &world.blockers);
         let at_sites = direct_at_sites(&mesh, &direct);
         let (radiosity, _) = transport.solve(&mesh, &at_sites, settings.bounces, settings.error);
-        mean_indirect = mean_at_sites(&mesh, &transport.apply_all(&radiosity));
+        let gathered = transport.gather_all(&radiosity);
+        mean_indirect = mean_at_sites(&mesh, |f, s| gathered.at_site(f, s));
         field = Some((mesh, transport, at_sites));
     }
 
@@ -363,14 +364,14 @@ fn direct_at_sites(mesh: &SolveMesh, direct: &DirectLight) -> Vec<Irradiance> {
 }
 
 /// Area-weighted mean over the solve mesh, mean of the channels, W/m².
-fn mean_at_sites(mesh: &SolveMesh, values: &[Irradiance]) -> f64 {
+fn mean_at_sites(mesh: &SolveMesh, value: impl Fn(usize, usize) -> Irradiance) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
-    for face in &mesh.faces {
+    for (f, face) in mesh.faces.iter().enumerate() {
         for (e, sites) in face.mesh.sites.iter().enumerate() {
             let a = face.mesh.area(e);
             area += a;
             for &s in sites {
-                sum += values[face.first_site + s as usize].mean() * a / 3.0;
+                sum += value(f, s as usize).mean() * a / 3.0;
             }
         }
     }

@@ -57,9 +57,9 @@ impl<'a> IndirectField<'a> {
         transport: &Transport,
         radiosity: Vec<Radiosity>,
     ) -> Self {
-        let sites = transport.apply_all(&radiosity);
+        let gathered = transport.gather_all(&radiosity);
         let faces = (0..mesh.faces.len())
-            .map(|f| FieldFace::new(&mesh.faces[f], &sites, transport.is_uniform(f)))
+            .map(|f| FieldFace::new(&mesh.faces[f], f, &gathered))
             .collect();
         Self {
             solution: Coarse {

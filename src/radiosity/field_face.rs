@@ -1,7 +1,7 @@
 //! The indirect light on one side of one face.
 
-use super::SolveFace;
 use super::locator::Locator;
+use super::{Gathered, SolveFace};
 use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
@@ -47,28 +47,45 @@ pub(super) struct FieldFace {
 }
 
 impl FieldFace {
-    /// Starts from the values at the sites of the solve mesh.
-    pub(super) fn new(face: &SolveFace, sites: &[Irradiance], is_uniform: bool) -> Self {
+    /// Starts from what the solution has gathered on solve face number `f`.
+    pub(super) fn new(face: &SolveFace, f: usize, solution: &Gathered) -> Self {
         let mesh = face.mesh.clone();
-        let n = mesh.site_vertices.len();
-        let values = sites[face.first_site..face.first_site + n].to_vec();
-        let mut gathered = HashMap::new();
-        if !is_uniform {
-            for (s, &v) in mesh.site_vertices.iter().enumerate() {
-                if !mesh.is_limit[s] {
-                    let g = mesh.vertices[v as usize];
-                    gathered.insert((2 * g.x, 2 * g.y), values[s]);
-                }
-            }
-        }
-        Self {
+        let values = (0..mesh.site_vertices.len())
+            .map(|s| solution.at_site(f, s))
+            .collect();
+        let middles: Vec<_> = (0..mesh.elements.len())
+            .map(|e| solution.at_middles(f, e))
+            .collect();
+        let mut field = Self {
             locator: Locator::new(&mesh),
             known: vec![Knowledge::default(); mesh.elements.len()],
             points: mesh.vertices.clone(),
+            is_uniform: middles.iter().any(Option::is_none),
             mesh,
             values,
-            is_uniform,
-            gathered,
+            gathered: HashMap::new(),
+        };
+        if !field.is_uniform {
+            field.remember(&middles);
+        }
+        field
+    }
+
+    /// Takes over the values of sites and midpoints.
+    fn remember(&mut self, middles: &[Option<[Irradiance; 3]>]) {
+        for (s, &v) in self.mesh.site_vertices.iter().enumerate() {
+            if !self.mesh.is_limit[s] {
+                let g = self.mesh.vertices[v as usize];
+                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
+            }
+        }
+        for (e, middles) in middles.iter().enumerate() {
+            self.known[e].middles = [0, 1, 2].map(|k| middles.map(|m| m[k]));
+            for k in 0..3 {
+                if let (Some(m), false) = (middles, self.mesh.is_barrier(e, k)) {
+                    self.gathered.insert(self.key(e, k), m[k]);
+                }
+            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! The linear system and its solution by Gauss–Seidel sweeps.
 
-use super::{Gatherer, Row, SolveMesh};
-use crate::quantity::{Irradiance, Radiosity};
-use crate::visibility::Blockers;
+use super::{Gatherer, Row, SolveFace, SolveMesh};
+use crate::quantity::{Irradiance, Radiosity, Rgb};
+use crate::visibility::{Blockers, Viewpoint};
+use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// How often light is reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,31 +33,42 @@ pub struct SolveReport {
 const MAX_SWEEPS: usize = 20_000;
 
 /// The transport operator on a solve mesh.
+///
+/// Light is gathered at the sites and at the midpoints of the elements' edges; between these points it is quadratic. What a
+/// site reflects is the mean of that field under its own basis function (lumped projection), not its value at the site: in
+/// a corner, where the light behaves like `r^γ`, the value at the site says little about its surroundings, and the power
+/// that is missed comes back with every bounce.
 pub struct Transport {
-    /// One for each site, but for uniform faces one for all sites of the face.
     rows: Vec<Row>,
-    row_of: Vec<u32>,
-    uniform: Vec<bool>,
-    /// For each face its sites' shares of the area: the mean of a face's radiosity.
-    shares: Vec<Vec<(u32, f64)>>,
+    /// For each site the rows that its mean is made of, with their weights.
+    means: Vec<Vec<(u32, f64)>>,
+    faces: Vec<FaceRows>,
+}
+
+/// The rows of one face.
+struct FaceRows {
+    /// Its rows among all rows.
+    rows: Range<usize>,
+    /// Its sites among all sites.
+    sites: Range<usize>,
+    /// For each site, its own row.
+    site_rows: Vec<u32>,
+    /// For each element the rows of its edges' midpoints; none when the whole face has one row.
+    middles: Option<Vec<[u32; 3]>>,
+    /// For each site its share of the area.
+    shares: Vec<f64>,
 }
 
 impl Transport {
     /// Computes every row, in parallel.
     pub fn new(mesh: &SolveMesh, blockers: &Blockers) -> Self {
         let mut views = Vec::with_capacity(mesh.site_count());
-        let mut row_of = Vec::with_capacity(mesh.site_count());
-        for face in &mesh.faces {
-            let n = face.mesh.site_vertices.len();
-            let middle = face.is_small.then(|| face.middle()).flatten();
-            if let Some(middle) = middle {
-                row_of.extend((0..n).map(|_| views.len() as u32));
-                views.push(face.view(middle));
-            } else {
-                row_of.extend((0..n).map(|s| (views.len() + s) as u32));
-                views.extend((0..n).map(|s| face.site_view(s)));
-            }
-        }
+        let mut means = Vec::with_capacity(mesh.site_count());
+        let faces = mesh
+            .faces
+            .iter()
+            .map(|face| FaceRows::new(face, blockers.weld_distance(), &mut views, &mut means))
+            .collect();
         let rows = views
             .par_iter()
             .map_init(
@@ -63,31 +76,7 @@ impl Transport {
                 |gatherer, view| gatherer.row(view),
             )
             .collect();
-        let shares = mesh
-            .faces
-            .iter()
-            .map(|face| {
-                let mut areas = vec![0.0; face.mesh.site_vertices.len()];
-                for (e, sites) in face.mesh.sites.iter().enumerate() {
-                    for &s in sites {
-                        areas[s as usize] += face.mesh.area(e) / 3.0;
-                    }
-                }
-                let total: f64 = areas.iter().sum();
-                let site = |s: usize| (face.first_site + s) as u32;
-                areas
-                    .iter()
-                    .enumerate()
-                    .map(|(s, a)| (site(s), a / total))
-                    .collect()
-            })
-            .collect();
-        Self {
-            rows,
-            row_of,
-            uniform: mesh.faces.iter().map(|f| f.is_small).collect(),
-            shares,
-        }
+        Self { rows, means, faces }
     }
 
     /// Number of nonzero coefficients.
@@ -98,9 +87,11 @@ impl Transport {
             .sum()
     }
 
-    /// Sum of the weights of the row of `site`.
+    /// Sum of the weights of the row at `site`.
     pub fn row_sum(&self, site: usize) -> f64 {
-        self.rows[self.row_of[site] as usize].sum()
+        let face = self.faces.partition_point(|f| f.sites.end <= site);
+        let face = &self.faces[face];
+        self.rows[face.site_rows[site - face.sites.start] as usize].sum()
     }
 
     /// Number of rows.
@@ -108,29 +99,15 @@ impl Transport {
         self.rows.len()
     }
 
-    /// True when all sites of solve face `f` share one row.
-    pub fn is_uniform(&self, f: usize) -> bool {
-        self.uniform[f]
-    }
-
     /// Area-weighted mean of a nodal field over each face.
     pub fn face_means(&self, radiosity: &[Radiosity]) -> Vec<Radiosity> {
-        self.shares
-            .iter()
-            .map(|shares| {
-                let mut sum = Radiosity::ZERO;
-                for &(s, w) in shares {
-                    sum += radiosity[s as usize] * w;
-                }
-                sum
-            })
-            .collect()
+        self.faces.iter().map(|face| face.mean(radiosity)).collect()
     }
 
     /// Solves for the reflected radiosity at all sites, given the direct irradiance there.
     ///
-    /// Sweeps end when the error that is left, extrapolated from the last two changes, is below `tolerance` (relative to
-    /// the largest radiosity).
+    /// Sweeps go face by face and end when the error that is left, extrapolated from the last two changes, is below
+    /// `tolerance` (relative to the largest radiosity).
     pub fn solve(
         &self,
         mesh: &SolveMesh,
@@ -154,18 +131,26 @@ impl Transport {
             Bounces::Count(n) => n.saturating_sub(1) as usize,
             Bounces::All => MAX_SWEEPS,
         };
+        let mut gathered = vec![Irradiance::ZERO; self.rows.len()];
         for _ in 0..sweeps {
-            let means = self.face_means(&radiosity);
+            let mut face_means = self.face_means(&radiosity);
             // Gauss–Seidel reads what this sweep has already updated; counted bounces must not.
             let before = (bounces != Bounces::All).then(|| radiosity.clone());
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-            for i in 0..radiosity.len() {
+            for (f, face) in self.faces.iter().enumerate() {
                 let source = before.as_deref().unwrap_or(&radiosity);
-                let row = &self.rows[self.row_of[i] as usize];
-                let new = reflect(i, apply(row, source, &means));
-                change = change.max((new - radiosity[i]).0.0.abs().max_element());
-                largest = largest.max(new.0.0.max_element());
-                radiosity[i] = new;
+                for r in face.rows.clone() {
+                    gathered[r] = apply(&self.rows[r], source, &face_means);
+                }
+                for i in face.sites.clone() {
+                    let new = reflect(i, self.mean_at(i, &gathered));
+                    change = change.max((new - radiosity[i]).0.0.abs().max_element());
+                    largest = largest.max(new.0.0.max_element());
+                    radiosity[i] = new;
+                }
+                if bounces == Bounces::All {
+                    face_means[f] = face.mean(&radiosity);
+                }
             }
             let relative = if largest > 0.0 { change / largest } else { 0.0 };
             let previous = report.residuals.last().copied();
@@ -177,15 +162,145 @@ impl Transport {
         (radiosity, report)
     }
 
-    /// Indirect irradiance at every site from the radiosity.
-    pub fn apply_all(&self, radiosity: &[Radiosity]) -> Vec<Irradiance> {
-        let means = self.face_means(radiosity);
-        let values: Vec<Irradiance> = self
-            .rows
-            .iter()
-            .map(|r| apply(r, radiosity, &means))
-            .collect();
-        self.row_of.iter().map(|&r| values[r as usize]).collect()
+    /// Mean of the gathered light under the basis function of `site`.
+    fn mean_at(&self, site: usize, gathered: &[Irradiance]) -> Irradiance {
+        let mut sum = Irradiance::ZERO;
+        for &(r, w) in &self.means[site] {
+            sum += gathered[r as usize] * w;
+        }
+        // A mean over a quadratic that bends sharply may dip below zero.
+        Irradiance(Rgb(sum.0.0.max(DVec3::ZERO)))
+    }
+
+    /// Indirect irradiance at every site and midpoint from the radiosity.
+    pub fn gather_all(&self, radiosity: &[Radiosity]) -> Gathered<'_> {
+        let face_means = self.face_means(radiosity);
+        Gathered {
+            transport: self,
+            values: self
+                .rows
+                .iter()
+                .map(|r| apply(r, radiosity, &face_means))
+                .collect(),
+        }
+    }
+}
+
+/// Indirect irradiance at all points of the solve mesh.
+pub struct Gathered<'t> {
+    transport: &'t Transport,
+    values: Vec<Irradiance>,
+}
+
+impl Gathered<'_> {
+    /// At local site `s` of solve face `f`.
+    pub fn at_site(&self, f: usize, s: usize) -> Irradiance {
+        self.values[self.transport.faces[f].site_rows[s] as usize]
+    }
+
+    /// At the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one row.
+    pub fn at_middles(&self, f: usize, e: usize) -> Option<[Irradiance; 3]> {
+        let middles = self.transport.faces[f].middles.as_ref()?;
+        Some(middles[e].map(|r| self.values[r as usize]))
+    }
+}
+
+/// Means of a quadratic over a triangle under the basis function of one corner, as weights of its values at that corner, at
+/// each other corner, at each adjacent edge midpoint and at the opposite one: `∫ φ N_k / ∫ φ`.
+const CORNER: f64 = 1.0 / 10.0;
+const OTHER_CORNER: f64 = -1.0 / 20.0;
+const NEAR_MIDDLE: f64 = 2.0 / 5.0;
+const FAR_MIDDLE: f64 = 1.0 / 5.0;
+
+impl FaceRows {
+    /// Appends the viewpoints of the rows of `face`, and for each of its sites the rows that its mean is made of.
+    fn new(
+        face: &SolveFace,
+        weld_distance: f64,
+        views: &mut Vec<Viewpoint>,
+        means: &mut Vec<Vec<(u32, f64)>>,
+    ) -> Self {
+        let mesh = &face.mesh;
+        let n = mesh.site_vertices.len();
+        let first = views.len();
+        let mut areas = vec![0.0; n];
+        for (e, sites) in mesh.sites.iter().enumerate() {
+            for &s in sites {
+                areas[s as usize] += mesh.area(e) / 3.0;
+            }
+        }
+        let total: f64 = areas.iter().sum();
+        let shares = areas.iter().map(|a| a / total).collect();
+        let sites = face.first_site..face.first_site + n;
+        if let Some(middle) = face.is_small.then(|| face.middle()).flatten() {
+            views.push(face.view(middle));
+            means.extend((0..n).map(|_| vec![(first as u32, 1.0)]));
+            return Self {
+                rows: first..first + 1,
+                sites,
+                site_rows: vec![first as u32; n],
+                middles: None,
+                shares,
+            };
+        }
+        views.extend((0..n).map(|s| face.site_view(s)));
+        let mut middles = vec![[0; 3]; mesh.elements.len()];
+        for e in 0..mesh.elements.len() {
+            for k in 0..3 {
+                // An edge between two elements has one midpoint; on a contact line each side has its own.
+                let other = mesh.neighbours[e][k].filter(|_| !mesh.is_barrier(e, k));
+                match other {
+                    Some(o) if (o as usize) < e => {
+                        let back = (0..3)
+                            .find(|&j| mesh.neighbours[o as usize][j] == Some(e as u32))
+                            .expect("neighbours are mutual");
+                        middles[e][k] = middles[o as usize][back];
+                    }
+                    _ => {
+                        middles[e][k] = views.len() as u32;
+                        let p = mesh.corners(e);
+                        let mut middle = p[k].midpoint(p[(k + 1) % 3]);
+                        if mesh.is_barrier(e, k) {
+                            middle = mesh.inset(e, middle, weld_distance);
+                        }
+                        views.push(face.view(middle));
+                    }
+                }
+            }
+        }
+        let mut of_site: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
+        for (e, sites) in mesh.sites.iter().enumerate() {
+            for k in 0..3 {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                let s = sites[k] as usize;
+                let share = mesh.area(e) / (3.0 * areas[s]);
+                let row = |c: usize| first as u32 + sites[c];
+                of_site[s].extend([
+                    (row(k), CORNER * share),
+                    (row(i), OTHER_CORNER * share),
+                    (row(j), OTHER_CORNER * share),
+                    (middles[e][k], NEAR_MIDDLE * share),
+                    (middles[e][j], NEAR_MIDDLE * share),
+                    (middles[e][i], FAR_MIDDLE * share),
+                ]);
+            }
+        }
+        means.extend(of_site);
+        Self {
+            rows: first..views.len(),
+            sites,
+            site_rows: (0..n).map(|s| (first + s) as u32).collect(),
+            middles: Some(middles),
+            shares,
+        }
+    }
+
+    fn mean(&self, radiosity: &[Radiosity]) -> Radiosity {
+        let mut sum = Radiosity::ZERO;
+        for (site, &w) in self.sites.clone().zip(&self.shares) {
+            sum += radiosity[site] * w;
+        }
+        sum
     }
 }
 

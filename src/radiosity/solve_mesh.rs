@@ -1,9 +1,10 @@
 //! The mesh on which the indirect light is solved.
 
 use super::locator::Locator;
+use super::{LightSample, project};
 use crate::geom::Plane;
-use crate::mesh::{FaceDomain, MeshError, ReceiverMesh};
-use crate::quantity::Rgb;
+use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
+use crate::quantity::{Irradiance, Rgb};
 use crate::scene::FaceSide;
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
@@ -11,6 +12,19 @@ use glam::{DVec2, DVec3};
 /// Share of the error asked for that a face may contribute to a form factor sum and be judged by one ray. The mistakes of
 /// hundreds of such faces add like random steps; rows weigh 1/(1 − ρ) in the solution, so that factor is taken off.
 const SAMPLED_SHARE: f64 = 0.05;
+
+/// With so many sides exact clipping everywhere costs more than the rest of the bake, and the mistakes of sampling are spread
+/// over so many of them that they cancel; fewer are always clipped exactly, so that rows sum to 1 to round-off.
+const MANY_SIDES: usize = 256;
+
+/// Rounds of halving at most: a shadow line is followed down to a sixteenth of the spacing.
+const MAX_HALVINGS: usize = 4;
+
+/// Elements narrower than this share of the spacing are not halved.
+const SMALLEST_SHARE: f64 = 1.0 / 8.0;
+
+/// Share of the permitted squared distance that may stay in elements that are not halved.
+const UNMARKED_SHARE: f64 = 0.5;
 
 /// A face with a radius below this share of the solve mesh's spacing has one value.
 const SMALL_SHARE: f64 = 0.25;
@@ -47,6 +61,8 @@ pub struct SolveFace {
     /// Bounding rectangle, counter-clockwise seen from the lit side.
     pub(super) rectangle: [DVec3; 4],
     locator: Locator,
+    /// Points that its elements pass through.
+    points: Vec<GridPoint>,
 }
 
 /// An element ready for form factors.
@@ -65,6 +81,7 @@ pub struct SolveMesh {
     /// The sides.
     pub faces: Vec<SolveFace>,
     sites: usize,
+    spacing: f64,
 }
 
 impl SolveMesh {
@@ -83,16 +100,101 @@ impl SolveMesh {
             .iter()
             .map(|(d, rho)| d.polygon().area() * rho.0.max_element())
             .sum();
-        let sampled_below = SAMPLED_SHARE * error * (1.0 - reflected / area);
+        let sampled_below = if domains.len() > MANY_SIDES {
+            SAMPLED_SHARE * error * (1.0 - reflected / area)
+        } else {
+            0.0
+        };
         let mut sites = 0;
         for (domain, reflectance) in domains {
             let points = domain.seed_points(spacing);
-            let mesh = domain.mesh(&[], &points)?;
-            let face = SolveFace::new(domain, mesh, reflectance, sites, spacing, sampled_below);
+            let face = SolveFace::new(domain, points, reflectance, sites, spacing, sampled_below)?;
             sites += face.mesh.site_vertices.len();
             faces.push(face);
         }
-        Ok(Self { faces, sites })
+        Ok(Self {
+            faces,
+            sites,
+            spacing,
+        })
+    }
+
+    /// Halves elements over which the light of `samples` departs from the basis, until its RMS distance from its own
+    /// projection over all faces is below `target` (W/m²). `fallback` gives the light at a local site of a face that no
+    /// sample reaches.
+    ///
+    /// What a face reflects onto its neighbours near a contact or a corner depends on the light within an element: sharp
+    /// shadows must not be smeared over coarse elements there.
+    ///
+    /// # Errors
+    /// [`MeshError`]: our own bug.
+    pub fn follow(
+        mut self,
+        samples: &[LightSample],
+        fallback: impl Fn(&SolveFace, usize) -> Irradiance,
+        target: f64,
+    ) -> Result<Self, MeshError> {
+        let area: f64 = self.faces.iter().map(|f| f.area).sum();
+        let allowed = target * target * area;
+        for _ in 0..MAX_HALVINGS {
+            let errors = self.projection_errors(samples, &fallback);
+            let mut sorted: Vec<f64> = errors.iter().flatten().copied().collect();
+            sorted.sort_unstable_by(f64::total_cmp);
+            if sorted.iter().sum::<f64>() <= allowed {
+                break;
+            }
+            let mut unmarked = 0.0;
+            let limit = sorted
+                .iter()
+                .find(|&&e| {
+                    unmarked += e;
+                    unmarked > UNMARKED_SHARE * allowed
+                })
+                .copied()
+                .unwrap_or(f64::INFINITY);
+            let mut sites = 0;
+            let mut faces = Vec::with_capacity(self.faces.len());
+            for (mut face, errors) in self.faces.into_iter().zip(&errors) {
+                face.first_site = sites;
+                let face = face.halve(errors, limit, self.spacing)?;
+                sites += face.mesh.site_vertices.len();
+                faces.push(face);
+            }
+            self.faces = faces;
+            self.sites = sites;
+        }
+        Ok(self)
+    }
+
+    /// For each element the integral of the squared distance of the light from its projection.
+    fn projection_errors(
+        &self,
+        samples: &[LightSample],
+        fallback: &impl Fn(&SolveFace, usize) -> Irradiance,
+    ) -> Vec<Vec<f64>> {
+        let nodal = project(self, samples.iter().copied(), |f, s| {
+            fallback(&self.faces[f], s)
+        });
+        let mut errors: Vec<Vec<f64>> = self
+            .faces
+            .iter()
+            .map(|f| vec![0.0; f.mesh.elements.len()])
+            .collect();
+        for sample in samples {
+            let face = &self.faces[sample.face as usize];
+            if face.is_small {
+                continue;
+            }
+            if let Some((e, weights)) = face.locate(sample.point) {
+                let mut linear = Irradiance::ZERO;
+                for (&s, w) in face.mesh.sites[e].iter().zip(weights) {
+                    linear += nodal[face.first_site + s as usize] * w;
+                }
+                errors[sample.face as usize][e] +=
+                    sample.area * (sample.irradiance - linear).0.mean_square();
+            }
+        }
+        errors
     }
 
     /// Number of sites: unknowns a channel.
@@ -118,12 +220,13 @@ impl SolveMesh {
 impl SolveFace {
     fn new(
         domain: FaceDomain,
-        mesh: ReceiverMesh,
+        points: Vec<GridPoint>,
         reflectance: Rgb,
         first_site: usize,
         spacing: f64,
         sampled_below: f64,
-    ) -> Self {
+    ) -> Result<Self, MeshError> {
+        let mesh = domain.mesh(&[], &points)?;
         let is_front = domain.side == FaceSide::Front;
         let positions: Vec<DVec3> = mesh
             .plane
@@ -143,7 +246,7 @@ impl SolveFace {
         if !is_front {
             rectangle.reverse();
         }
-        Self {
+        Ok(Self {
             plane: Plane::new(domain.frame.origin, domain.normal),
             locator: Locator::new(&mesh),
             centre: 0.5 * (lo + hi),
@@ -160,7 +263,37 @@ impl SolveFace {
             mesh,
             reflectance,
             first_site,
+            points,
+        })
+    }
+
+    /// Divides the elements whose error is at least `limit` at the midpoints of their edges, down to a few halvings of
+    /// `spacing`.
+    fn halve(self, errors: &[f64], limit: f64, spacing: f64) -> Result<Self, MeshError> {
+        let mut points = self.points.clone();
+        let before = points.len();
+        for (e, &error) in errors.iter().enumerate() {
+            if error < limit || self.triangles[e].width_squared.sqrt() < SMALLEST_SHARE * spacing {
+                continue;
+            }
+            let p = self.mesh.corners(e);
+            for k in 0..3 {
+                points.push(self.domain.grid.snap(p[k].midpoint(p[(k + 1) % 3])));
+            }
         }
+        if points.len() == before {
+            return Ok(self);
+        }
+        points.sort_unstable();
+        points.dedup();
+        Self::new(
+            self.domain,
+            points,
+            self.reflectance,
+            self.first_site,
+            spacing,
+            self.sampled_below,
+        )
     }
 
     /// A convex region that holds every line of sight from `view` to this face: the pyramid over its bounding rectangle.

@@ -8,9 +8,8 @@ use super::solve_mesh::SolveTriangle;
 use super::{SolveFace, SolveMesh};
 use crate::direct::{edge_term, form_factor_of_directions};
 use crate::mesh::barycentric;
-use crate::visibility::{Blockers, Cone, Cones, Scratch, Target, Viewpoint};
+use crate::visibility::{Blockers, Cone, Cones, Directions, Scratch, Target, Viewpoint};
 use glam::DVec3;
-use smallvec::SmallVec;
 use std::f64::consts::{PI, TAU};
 
 /// A source face this many times farther than its radius is taken as a whole, with its mean radiosity: over it the
@@ -63,7 +62,10 @@ pub struct Gatherer<'a> {
     directions: Vec<DVec3>,
     heights: Vec<f64>,
     terms: Vec<f64>,
-    beyond: Vec<u16>,
+    beyond: Vec<u64>,
+    arrays: Directions,
+    /// The cones that touch the element at hand.
+    touching: Vec<u32>,
 }
 
 /// What the cones do to an element.
@@ -90,6 +92,8 @@ impl<'a> Gatherer<'a> {
             heights: Vec::new(),
             terms: Vec::new(),
             beyond: Vec::new(),
+            arrays: Directions::default(),
+            touching: Vec::new(),
         }
     }
 
@@ -168,16 +172,21 @@ impl<'a> Gatherer<'a> {
             source.plane,
             &mut self.candidates,
         );
-        self.blockers
-            .cones(&self.candidates, view, source.plane, &mut self.cones);
         let rectangle = source.rectangle.map(|p| p - view.position);
-        if self.cones.hide_all(&rectangle) {
+        let is_hidden = self.blockers.cones(
+            &self.candidates,
+            view,
+            source.plane,
+            &rectangle,
+            &mut self.cones,
+        );
+        if is_hidden {
             return false;
         }
+        self.arrays.set(&self.directions);
         self.beyond.clear();
         for cone in self.cones.iter() {
-            self.beyond
-                .extend(self.directions.iter().map(|&d| cone.outside(d)));
+            cone.outside(&self.arrays, &mut self.beyond);
         }
         self.terms.clear();
         self.terms.extend(source.edges.iter().map(|&[a, b]| {
@@ -190,26 +199,30 @@ impl<'a> Gatherer<'a> {
         true
     }
 
-    fn sight(&self, source: &SolveFace, t: &SolveTriangle) -> Sight {
-        let [a, b, c] = t.vertices.map(|v| v as usize);
-        let (ha, hb, hc) = (self.heights[a], self.heights[b], self.heights[c]);
-        if ha <= 0.0 && hb <= 0.0 && hc <= 0.0 {
+    /// What the cones do to an element; lists those that touch it.
+    fn sight(&mut self, source: &SolveFace, t: &SolveTriangle) -> Sight {
+        self.touching.clear();
+        let corners = t.vertices.map(|v| v as usize);
+        let heights = corners.map(|v| self.heights[v]);
+        if heights.iter().all(|&h| h <= 0.0) {
             return Sight::Hidden;
         }
         let n = source.positions.len();
-        let mut is_touched = ha < 0.0 || hb < 0.0 || hc < 0.0;
+        let directions = corners.map(|v| self.directions[v]);
         for (i, cone) in self.cones.iter().enumerate() {
-            let [x, y, z] = [a, b, c].map(|v| self.beyond[i * n + v]);
+            let [x, y, z] = corners.map(|v| self.beyond[i * n + v]);
             // A cone is convex: with all corners inside it the whole element is.
             if x | y | z == 0 && cone.is_simple() {
                 return Sight::Hidden;
             }
-            is_touched |= x & y & z == 0;
+            if x & y & z == 0 && !cone.is_beyond_edge_of(&directions) {
+                self.touching.push(i as u32);
+            }
         }
-        if is_touched {
-            Sight::Partial
-        } else {
+        if self.touching.is_empty() && heights.iter().all(|&h| h >= 0.0) {
             Sight::Clear
+        } else {
+            Sight::Partial
         }
     }
 
@@ -259,26 +272,21 @@ impl<'a> Gatherer<'a> {
         whole: &mut f64,
     ) {
         let t = &source.triangles[e];
-        let n = source.positions.len();
         let corners = t.vertices.map(|v| source.positions[v as usize]);
         let target = Target {
             corners: &corners,
             plane: source.plane,
         };
-        let cones = self.cones.iter().enumerate().filter_map(|(i, cone)| {
-            let [x, y, z] = t.vertices.map(|v| self.beyond[i * n + v as usize]);
-            (x & y & z == 0).then_some(cone)
-        });
+        let cones = || self.touching.iter().map(|&i| self.cones.get(i as usize));
         let mut sum = [0.0; 3];
-        let weigh = weights_on(source, view, e);
         let normal = view.horizon.normal;
-        let cones: SmallVec<[Cone; 16]> = cones.collect();
         let looks = t.width_squared / self.directions[t.vertices[0] as usize].length_squared();
-        if cones.len() > FEW_BLOCKERS && looks < MANY_BLOCKERS_FACTOR * source.sampled_below {
+        if self.touching.len() > FEW_BLOCKERS && looks < MANY_BLOCKERS_FACTOR * source.sampled_below
+        {
             let f = sampled(
                 normal,
                 t.vertices.map(|v| self.directions[v as usize]),
-                &cones,
+                cones,
             );
             if is_far {
                 *whole += f;
@@ -287,15 +295,14 @@ impl<'a> Gatherer<'a> {
             }
             return;
         }
+        let weigh = weights_on(source, view, e);
+        let up = source.plane.normal;
         self.scratch
-            .visible_past(self.blockers, cones.into_iter(), view, target, |piece| {
+            .visible_past(self.blockers, cones(), view, target, |piece| {
                 if is_far {
                     *whole += form_factor_of_directions(normal, piece);
-                    return;
-                }
-                for i in 1..piece.len() - 1 {
-                    let fan = [piece[0], piece[i], piece[i + 1]];
-                    accumulate(normal, fan, 0, &weigh, &mut sum);
+                } else {
+                    accumulate_piece(normal, up, piece, &weigh, &mut sum);
                 }
             });
         self.weights.add(source, source.mesh.sites[e], sum);
@@ -333,7 +340,11 @@ impl Weights {
 }
 
 /// The form factor of a triangle of directions by the share of its sixteen equal parts whose middles no cone hides.
-fn sampled(n: DVec3, t: [DVec3; 3], cones: &[Cone]) -> f64 {
+fn sampled<'c, I: Iterator<Item = Cone<'c>>>(
+    n: DVec3,
+    t: [DVec3; 3],
+    cones: impl Fn() -> I,
+) -> f64 {
     if t.iter().any(|d| n.dot(*d) < 0.0) {
         // Near the horizon the cosine is next to nothing.
         return 0.0;
@@ -342,7 +353,7 @@ fn sampled(n: DVec3, t: [DVec3; 3], cones: &[Cone]) -> f64 {
         .iter()
         .filter(|w| {
             let d = t[0] * w[0] + t[1] * w[1] + t[2] * w[2];
-            !cones.iter().any(|c| c.hides(d))
+            !cones().any(|c| c.hides(d))
         })
         .count();
     form_factor_of_directions(n, &t) * seen as f64 / SAMPLE_WEIGHTS.len() as f64
@@ -382,6 +393,44 @@ const SAMPLE_WEIGHTS: [[f64; 3]; 16] = {
 fn weights_on(source: &SolveFace, view: &Viewpoint, e: usize) -> impl Fn(DVec3) -> [f64; 3] {
     let (corners, frame, eye) = (source.mesh.corners(e), source.domain.frame, view.position);
     move |d| barycentric(corners, frame.to_plane(eye + d))
+}
+
+/// Splits the form factor of a convex polygon of directions, in a plane with unit normal `up`, by the basis functions.
+fn accumulate_piece(
+    n: DVec3,
+    up: DVec3,
+    piece: &[DVec3],
+    weigh: &impl Fn(DVec3) -> [f64; 3],
+    sum: &mut [f64; 3],
+) {
+    let fan = || (2..piece.len()).map(|i| [piece[0], piece[i - 1], piece[i]]);
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for [a, b, c] in fan() {
+        let twice = (b - a).cross(c - a).dot(up);
+        area += twice;
+        moment += (a + b + c) * twice;
+    }
+    let middle = if area > 0.0 {
+        moment / (3.0 * area)
+    } else {
+        piece[0]
+    };
+    let radius_squared = piece
+        .iter()
+        .map(|p| p.distance_squared(middle))
+        .fold(0.0, f64::max);
+    // The polygon is at most two radii wide.
+    let share = 0.5 * PIECE_SHARE;
+    if radius_squared > share * share * middle.length_squared() {
+        for t in fan() {
+            accumulate(n, t, 0, weigh, sum);
+        }
+        return;
+    }
+    let f = form_factor_of_directions(n, piece);
+    for (s, w) in sum.iter_mut().zip(weigh(middle)) {
+        *s += f * w;
+    }
 }
 
 /// Splits the form factor of a triangle of directions by the basis functions at its middle, dividing wide ones.

@@ -37,6 +37,13 @@ impl Viewpoint {
     }
 }
 
+/// Sides of a cone that [`Cone::outside`] has bits for.
+const MASK_SIDES: usize = u64::BITS as usize;
+
+/// Rounding error of `(b × a) · d` for directions of unit length: two roundings in each component of the cross product,
+/// three in the dot product.
+const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
+
 /// One side of a convex polygon that is looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
@@ -46,16 +53,58 @@ pub struct Target<'a> {
     pub plane: Plane,
 }
 
-/// A convex polygon as directions from the viewpoint, metres.
+/// A convex polygon in space or as directions from the viewpoint, metres.
 type Piece = SmallVec<[DVec3; 8]>;
 
 /// Buffers that live over many calls.
 #[derive(Default)]
 pub struct Scratch {
-    pieces: Vec<Piece>,
-    next: Vec<Piece>,
+    pieces: Pieces,
+    /// One piece, for the caller to see.
+    shown: Vec<DVec3>,
     candidates: Vec<u32>,
     cones: Cones,
+}
+
+/// A direction from the viewpoint, metres, and its length.
+#[derive(Clone, Copy)]
+struct Corner {
+    direction: DVec3,
+    length: f64,
+}
+
+/// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
+#[derive(Default)]
+struct Pieces {
+    corners: Vec<Corner>,
+    ranges: Vec<(u32, u32)>,
+    /// What is left of the piece that is being cut, its heights above the plane that cuts it, and what remains then.
+    rest: Vec<Corner>,
+    heights: Vec<f64>,
+    inside: Vec<Corner>,
+}
+
+/// Directions from a viewpoint, metres, one array for each coordinate: what is done to all of them is done two at a time.
+#[derive(Default)]
+pub struct Directions {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+    length: Vec<f64>,
+}
+
+impl Directions {
+    /// Holds `directions` and nothing else.
+    pub fn set(&mut self, directions: &[DVec3]) {
+        self.x.clear();
+        self.y.clear();
+        self.z.clear();
+        self.length.clear();
+        self.x.extend(directions.iter().map(|d| d.x));
+        self.y.extend(directions.iter().map(|d| d.y));
+        self.z.extend(directions.iter().map(|d| d.z));
+        self.length.extend(directions.iter().map(|d| d.length()));
+    }
 }
 
 /// The cones of several blockers from one viewpoint, the widest first.
@@ -111,45 +160,88 @@ impl Cones {
         (0..self.items.len()).map(|i| self.get(i))
     }
 
-    /// True when one cone alone hides all of `directions`.
-    pub fn hide_all(&self, directions: &[DVec3]) -> bool {
-        self.iter().any(|c| directions.iter().all(|&d| c.hides(d)))
-    }
-
     /// Adds the cone with the given rim (directions, turning counter-clockwise when `facing` is 1, clockwise when −1).
-    fn push(&mut self, rim: &[DVec3], facing: f64) {
-        let mut width = 0.0;
-        let first = self.rims.len() as u32;
-        for (i, &a) in rim.iter().enumerate() {
-            let b = rim[(i + 1) % rim.len()];
+    fn push(&mut self, rim: impl Iterator<Item = DVec3>, facing: f64) {
+        let first = self.rims.len();
+        self.rims.extend(rim);
+        let rim = &self.rims[first..];
+        let Some(&last) = rim.last() else { return };
+        let (mut width, mut a, mut a_squared) = (0.0, last, last.length_squared());
+        for &b in rim {
             // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
             let normal = b.cross(a) * facing;
-            width += normal.length_squared() / (a.length_squared() * b.length_squared());
-            self.rims.push(a);
+            let b_squared = b.length_squared();
+            let product = a_squared * b_squared;
+            width += normal.length_squared() / product;
             self.sides.push(ConeSide {
                 normal,
-                slack: side_slack(a, b),
+                slack: SIDE_ROUNDOFF * product.sqrt(),
             });
+            (a, a_squared) = (b, b_squared);
         }
         self.items.push(ConeItem {
-            first,
-            count: rim.len() as u32,
+            first: first as u32,
+            count: (self.rims.len() - first) as u32,
             width,
         });
+    }
+
+    /// Leaves out the cones that one of their own sides parts from the convex polygon `base` (directions); returns whether
+    /// one cone alone holds all of it.
+    fn narrow(&mut self, base: &[DVec3]) -> bool {
+        let mut is_hidden = false;
+        let (sides, items) = (&self.sides, &mut self.items);
+        items.retain(|item| {
+            let range = item.first as usize..(item.first + item.count) as usize;
+            let mut holds_all = true;
+            for side in &sides[range] {
+                let outside = base.iter().filter(|d| side.is_outside(**d)).count();
+                if outside == base.len() {
+                    return false;
+                }
+                holds_all &= outside == 0;
+            }
+            is_hidden |= holds_all;
+            true
+        });
+        is_hidden
+    }
+}
+
+impl ConeSide {
+    fn is_outside(&self, direction: DVec3) -> bool {
+        self.normal.dot(direction) <= self.slack * direction.length()
     }
 }
 
 impl Cone<'_> {
-    /// One bit for each side of the cone that `direction` lies on or beyond; 0 inside the cone. Sides past the sixteenth
-    /// are left out, so that 0 then only says "perhaps inside".
-    pub fn outside(&self, direction: DVec3) -> u16 {
-        let length = direction.length();
-        self.sides
-            .iter()
-            .take(16)
-            .enumerate()
-            .filter(|(_, s)| s.normal.dot(direction) <= s.slack * length)
-            .fold(0, |mask, (i, _)| mask | 1 << i)
+    /// Appends for each of `directions` one bit for each side of the cone that it lies on or beyond; 0 inside the cone.
+    /// Sides past the [`MASK_SIDES`]th are left out, so that 0 then only says "perhaps inside".
+    pub fn outside(&self, directions: &Directions, out: &mut Vec<u64>) {
+        let first = out.len();
+        out.resize(first + directions.x.len(), 0);
+        for (i, side) in self.sides.iter().take(MASK_SIDES).enumerate() {
+            let bit = 1 << i;
+            let n = side.normal;
+            let xyz = directions.x.iter().zip(&directions.y).zip(&directions.z);
+            for ((mask, ((x, y), z)), length) in
+                out[first..].iter_mut().zip(xyz).zip(&directions.length)
+            {
+                let is_outside = n.x * x + n.y * y + n.z * z <= side.slack * length;
+                *mask |= if is_outside { bit } else { 0 };
+            }
+        }
+    }
+
+    /// True when a plane through the viewpoint and an edge of the triangle `t` (directions, counter-clockwise) has the
+    /// triangle on one side and the cone on the other.
+    pub fn is_beyond_edge_of(&self, t: &[DVec3; 3]) -> bool {
+        [[0, 1, 2], [1, 2, 0], [2, 0, 1]].iter().any(|&[a, b, c]| {
+            let m = t[b].cross(t[a]);
+            // The plane of an edge as short as round-off points anywhere and parts nothing.
+            self.rim.iter().all(|r| m.dot(*r) <= 0.0)
+                && m.dot(t[c]) > side_slack(t[a], t[b]) * t[c].length()
+        })
     }
 
     /// True when the cone hides `direction`.
@@ -159,7 +251,7 @@ impl Cone<'_> {
 
     /// Whether [`Cone::outside`] tells inside from outside for certain.
     pub fn is_simple(&self) -> bool {
-        self.sides.len() <= 16
+        self.sides.len() <= MASK_SIDES
     }
 }
 
@@ -185,8 +277,10 @@ impl Scratch {
             let region = Region::pyramid(view.position, target.corners);
             blockers.collect(view, region, target.plane, &mut candidates);
         }
-        blockers.cones(&candidates, view, target.plane, &mut cones);
-        self.visible_past(blockers, cones.iter(), view, target, visit);
+        let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
+        if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
+            self.visible_past(blockers, cones.iter(), view, target, visit);
+        }
         self.candidates = candidates;
         self.cones = cones;
     }
@@ -200,7 +294,6 @@ impl Scratch {
         target: Target,
         mut visit: impl FnMut(&[DVec3]),
     ) {
-        self.pieces.clear();
         if !faces(blockers, view, target) {
             return;
         }
@@ -208,55 +301,118 @@ impl Scratch {
         if above.len() < 3 {
             return;
         }
-        self.pieces.push(above);
+        self.pieces.start(&above);
         for cone in cones {
-            self.subtract(&cone);
-            if self.pieces.is_empty() {
+            self.pieces.subtract(&cone);
+            if self.pieces.ranges.is_empty() {
                 return;
             }
         }
-        for piece in &self.pieces {
-            visit(piece);
+        for &range in &self.pieces.ranges {
+            self.shown.clear();
+            self.shown
+                .extend(self.pieces.piece(range).iter().map(|c| c.direction));
+            visit(&self.shown);
         }
+    }
+}
+
+impl Pieces {
+    /// Holds `piece` and nothing else.
+    fn start(&mut self, piece: &[DVec3]) {
+        self.corners.clear();
+        self.corners.extend(piece.iter().map(|&d| Corner::new(d)));
+        self.ranges.clear();
+        self.ranges.push((0, piece.len() as u32));
+    }
+
+    fn piece(&self, (from, to): (u32, u32)) -> &[Corner] {
+        &self.corners[from as usize..to as usize]
     }
 
     /// Cuts `cone` out of all pieces.
     fn subtract(&mut self, cone: &Cone) {
-        let mut i = 0;
-        let mut end = self.pieces.len();
-        while i < end {
-            if is_apart(&self.pieces[i], cone) {
-                i += 1;
-                continue;
-            }
-            // What falls outside one side after the other stays; what is inside all of them is hidden.
-            let before = self.next.len();
-            let mut rest = None;
-            for side in cone.sides {
-                let piece = rest.as_ref().unwrap_or(&self.pieces[i]);
-                match split(piece, side) {
-                    Split::Inside => {}
-                    Split::Outside => {
-                        rest = Some(Piece::new());
-                        break;
-                    }
-                    Split::Both(inside, outside) => {
-                        self.next.push(outside);
-                        rest = Some(inside);
-                    }
-                }
-            }
-            if rest.is_some_and(|r| r.is_empty()) {
-                // Nothing was hidden after all: keep the piece whole rather than in splinters.
-                self.next.truncate(before);
-                i += 1;
-            } else {
-                end -= 1;
-                self.pieces.swap(i, end);
-                self.pieces.swap_remove(end);
+        let count = self.ranges.len();
+        let mut kept = 0;
+        for i in 0..count {
+            let range = self.ranges[i];
+            if is_apart(self.piece(range), cone) || !self.cut(range, cone) {
+                self.ranges[kept] = range;
+                kept += 1;
             }
         }
-        self.pieces.append(&mut self.next);
+        self.ranges.drain(kept..count);
+    }
+
+    /// Adds what `cone` leaves of a piece, and returns true; or adds nothing when the cone hides none of it, so that it may
+    /// stay whole rather than in splinters.
+    fn cut(&mut self, range: (u32, u32), cone: &Cone) -> bool {
+        let before = (self.ranges.len(), self.corners.len());
+        self.rest.clear();
+        self.rest
+            .extend_from_slice(&self.corners[range.0 as usize..range.1 as usize]);
+        // What falls outside one side after the other stays; what is inside all of them is hidden.
+        for side in cone.sides {
+            let (is_above, is_below) = self.measure(side);
+            if !is_above {
+                self.ranges.truncate(before.0);
+                self.corners.truncate(before.1);
+                return false;
+            }
+            if is_below {
+                self.split();
+            }
+        }
+        true
+    }
+
+    /// Fills in the heights of the rest above a side; returns whether any is positive and whether any is negative.
+    fn measure(&mut self, side: &ConeSide) -> (bool, bool) {
+        self.heights.clear();
+        let (mut is_above, mut is_below) = (false, false);
+        for c in &self.rest {
+            let mut d = side.normal.dot(c.direction);
+            if d.abs() <= side.slack * c.length {
+                d = 0.0;
+            }
+            is_above |= d > 0.0;
+            is_below |= d < 0.0;
+            self.heights.push(d);
+        }
+        (is_above, is_below)
+    }
+
+    /// Splits the rest at height zero: what lies below becomes a piece, what lies above is the new rest.
+    fn split(&mut self) {
+        let first = self.corners.len();
+        self.inside.clear();
+        for (i, &a) in self.rest.iter().enumerate() {
+            let j = if i + 1 < self.rest.len() { i + 1 } else { 0 };
+            let (da, db) = (self.heights[i], self.heights[j]);
+            if da >= 0.0 {
+                self.inside.push(a);
+            }
+            if da <= 0.0 {
+                self.corners.push(a);
+            }
+            if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
+                let b = self.rest[j].direction;
+                let cut = Corner::new(a.direction + (b - a.direction) * (da / (da - db)));
+                self.inside.push(cut);
+                self.corners.push(cut);
+            }
+        }
+        self.ranges.push((first as u32, self.corners.len() as u32));
+        std::mem::swap(&mut self.rest, &mut self.inside);
+    }
+}
+
+impl Corner {
+    fn new(direction: DVec3) -> Self {
+        Self {
+            direction,
+            length: direction.length(),
+        }
     }
 }
 
@@ -279,14 +435,24 @@ impl Blockers {
         out.sort_unstable();
     }
 
-    /// Fills `out` with the cones of the given parts as far as they lie in front of the plane `target`. The widest come
-    /// first: what is hidden is then gone before small blockers cut it into pieces.
-    pub fn cones(&self, parts: &[u32], view: &Viewpoint, target: Plane, out: &mut Cones) {
+    /// Fills `out` with the cones of the given parts as far as they lie in front of the plane `target` and may hide some of
+    /// the convex polygon `base` (directions from the viewpoint). The widest come first: what is hidden is then gone before
+    /// small blockers cut it into pieces. Returns whether one of them alone hides all of `base`.
+    pub fn cones(
+        &self,
+        parts: &[u32],
+        view: &Viewpoint,
+        target: Plane,
+        base: &[DVec3],
+        out: &mut Cones,
+    ) -> bool {
         out.clear();
         for &i in parts {
             push_cone(self, i, view, target, out);
         }
+        let is_hidden = out.narrow(base);
         out.items.sort_by(|a, b| b.width.total_cmp(&a.width));
+        is_hidden
     }
 
     /// True when the straight line from `view` to `point` on `face` meets no other face, tested by a ray.
@@ -360,89 +526,41 @@ fn push_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane, o
     if !any_ahead {
         return;
     }
-    let mut rim = if any_behind {
-        clip(corners, ahead)
+    if any_behind {
+        let rim = clip(corners, ahead);
+        if rim.len() >= 3 {
+            out.push(rim.iter().map(|c| c - eye), distance.signum());
+        }
     } else {
-        Piece::from_slice(corners)
-    };
-    if rim.len() >= 3 {
-        rim.iter_mut().for_each(|c| *c -= eye);
-        out.push(&rim, distance.signum());
+        out.push(corners.iter().map(|c| c - eye), distance.signum());
     }
 }
 
 /// True when a plane through the viewpoint and an edge of either shape has them on different sides.
-fn is_apart(piece: &[DVec3], cone: &Cone) -> bool {
+fn is_apart(piece: &[Corner], cone: &Cone) -> bool {
     let beyond_cone = cone.sides.iter().any(|s| {
         piece
             .iter()
-            .all(|p| s.normal.dot(*p) <= s.slack * p.length())
+            .all(|c| s.normal.dot(c.direction) <= s.slack * c.length)
     });
     beyond_cone
         || (0..piece.len()).any(|i| {
             let (a, b) = (piece[i], piece[(i + 1) % piece.len()]);
-            let m = b.cross(a);
-            cone.rim.iter().all(|r| m.dot(*r) <= 0.0) && holds(piece, m, side_slack(a, b))
+            let m = b.direction.cross(a.direction);
+            let slack = SIDE_ROUNDOFF * a.length * b.length;
+            cone.rim.iter().all(|r| m.dot(*r) <= 0.0) && holds(piece, m, slack)
         })
 }
 
 /// True when the piece clearly reaches to the inner side of the plane with normal `m` and not to the other. The plane of an
 /// edge as short as round-off points anywhere and holds nothing.
-fn holds(piece: &[DVec3], m: DVec3, slack: f64) -> bool {
-    let height = |p: &DVec3| (m.dot(*p), slack * p.length());
+fn holds(piece: &[Corner], m: DVec3, slack: f64) -> bool {
+    let height = |c: &Corner| (m.dot(c.direction), slack * c.length);
     piece.iter().map(height).all(|(h, slack)| h >= -slack)
         && piece.iter().map(height).any(|(h, slack)| h > slack)
 }
 
-/// Rounding error of `(b × a) · d` for a direction `d` of unit length: two roundings in each component of the cross
-/// product, three in the dot product.
+/// Rounding error of `(b × a) · d` for a direction `d` of unit length.
 fn side_slack(a: DVec3, b: DVec3) -> f64 {
-    8.0 * f64::EPSILON * a.length() * b.length()
-}
-
-/// A convex piece cut by a plane through the viewpoint.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "lives on the stack for one cut; a box would cost an allocation each"
-)]
-enum Split {
-    Inside,
-    Outside,
-    Both(Piece, Piece),
-}
-
-fn split(piece: &[DVec3], side: &ConeSide) -> Split {
-    let d: SmallVec<[f64; 8]> = piece
-        .iter()
-        .map(|p| {
-            let d = side.normal.dot(*p);
-            if d.abs() <= side.slack * p.length() {
-                0.0
-            } else {
-                d
-            }
-        })
-        .collect();
-    if !d.iter().any(|&d| d > 0.0) {
-        return Split::Outside;
-    }
-    if !d.iter().any(|&d| d < 0.0) {
-        return Split::Inside;
-    }
-    let (mut inside, mut outside) = (Piece::new(), Piece::new());
-    for i in 0..piece.len() {
-        let j = (i + 1) % piece.len();
-        if d[i] >= 0.0 {
-            inside.push(piece[i]);
-        }
-        if d[i] <= 0.0 {
-            outside.push(piece[i]);
-        }
-        if (d[i] > 0.0 && d[j] < 0.0) || (d[i] < 0.0 && d[j] > 0.0) {
-            let cut = piece[i] + (piece[j] - piece[i]) * (d[i] / (d[i] - d[j]));
-            inside.push(cut);
-            outside.push(cut);
-        }
-    }
-    Split::Both(inside, outside)
+    SIDE_ROUNDOFF * (a.length_squared() * b.length_squared()).sqrt()
 }

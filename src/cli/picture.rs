@@ -5,7 +5,7 @@ use umbrage::bad_input::BadInput;
 use umbrage::render::{CameraChoice, LitModel, Picture, RenderSettings, choose_camera, render};
 
 /// The longer side of a picture whose size nobody stated, pixels.
-const DEFAULT_SIZE: u32 = 600;
+const DEFAULT_SIZE: u32 = 512;
 
 /// Where a vertical field of view comes from.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ pub(super) struct Lens {
     pub(super) supersample: Option<u32>,
 }
 
-/// The picture of `model`. Without a size it has 600 pixels along its longer side, in the camera's own shape.
+/// The picture of `model`. Without a size it has 512 pixels along its longer side, in the camera's own shape.
 pub(super) fn take(
     model: &LitModel,
     choice: &CameraChoice,

@@ -22,7 +22,8 @@ use crate::lit_scene::LitScene;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::Irradiance;
 use crate::radiosity::{
-    Bounces, IndirectField, LightSample, SolveFace, SolveMesh, Transport, project, reached,
+    Bounces, IndirectField, LightSample, MANY_SIDES, SolveFace, SolveMesh, Transport, project,
+    reached,
 };
 use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
@@ -47,7 +48,7 @@ const FIRST_GUESS_ELEMENTS: f64 = 100.0;
 
 /// The direct light may depart from its projection to the solve mesh by this many times the error asked for: it is
 /// smoothed by a reflection before anyone sees it.
-const FOLLOW_SHARE: f64 = 5.0;
+const FOLLOW_SHARE: f64 = 6.0;
 
 /// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more.
 ///
@@ -163,37 +164,35 @@ pub fn light<'a>(
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
     let spacing = START_SPACING * scene.diagonal;
 
+    let elements = SOLVE_ELEMENTS * (0.01 / settings.error).powf(SOLVE_EXPONENT);
+    let lit_count = is_lit.iter().filter(|l| **l).count();
+    // With very many sides the guess would cost as much as the solution: then the solution's own mesh makes it.
+    let is_guessed_apart = lit_count <= MANY_SIDES;
     let mut mean_indirect = 0.0;
+    let mut coarse = None;
     if with_bounces {
         clock.start("first guess", &mut summary);
-        let mesh = solve_mesh(
-            scene,
-            &lines,
-            &sides,
-            &is_lit,
-            FIRST_GUESS_ELEMENTS,
-            settings.error,
-        )?;
+        let n = if is_guessed_apart {
+            FIRST_GUESS_ELEMENTS
+        } else {
+            elements
+        };
+        let mesh = solve_mesh(scene, &lines, &sides, &is_lit, n, settings.error)?;
         let transport = Transport::new(&mesh, &world.blockers);
         let at_sites = direct_at_sites(&mesh, &direct);
         let (radiosity, _) = transport.solve(&mesh, &at_sites, settings.bounces, settings.error);
         let gathered = transport.gather_all(&radiosity);
         mean_indirect = mean_at_sites(&mesh, |f, s| gathered.at_site(f, s));
+        coarse = Some(if is_guessed_apart {
+            (
+                solve_mesh(scene, &lines, &sides, &is_lit, elements, settings.error)?,
+                None,
+            )
+        } else {
+            (mesh, Some(transport))
+        });
     }
 
-    let elements = SOLVE_ELEMENTS * (0.01 / settings.error).powf(SOLVE_EXPONENT);
-    let coarse = if with_bounces {
-        Some(solve_mesh(
-            scene,
-            &lines,
-            &sides,
-            &is_lit,
-            elements,
-            settings.error,
-        )?)
-    } else {
-        None
-    };
     clock.start("display mesh", &mut summary);
     let mut receivers: Vec<Receiver> = sides
         .iter()
@@ -216,7 +215,7 @@ pub fn light<'a>(
     })?;
 
     let mut indirect = None;
-    if let Some(mesh) = coarse {
+    if let Some((mesh, transport)) = coarse {
         clock.start("transport", &mut summary);
         let index: Vec<(FaceId, FaceSide)> = mesh
             .faces
@@ -231,8 +230,15 @@ pub fn light<'a>(
             direct.irradiance(&face.site_view(s), &mut Scratch::default())
         };
         let mean = mean_of(&receivers) + mean_indirect;
-        let mesh = mesh.follow(&samples, at_site, FOLLOW_SHARE * settings.error * mean)?;
-        let transport = Transport::new(&mesh, &world.blockers);
+        let (mesh, transport) = match transport {
+            Some(transport) => (mesh, transport),
+            None => {
+                let target = FOLLOW_SHARE * settings.error * mean;
+                let mesh = mesh.follow(&samples, at_site, target)?;
+                let transport = Transport::new(&mesh, &world.blockers);
+                (mesh, transport)
+            }
+        };
         clock.start("solve", &mut summary);
         let g = project(&mesh, samples.into_iter(), |f, s| {
             at_site(&mesh.faces[f], s)

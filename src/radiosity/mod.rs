@@ -22,4 +22,4 @@ pub use gather::{Gatherer, Row};
 pub use project::{LightSample, project};
 pub use reach::reached;
 pub use solve::{Bounces, Gathered, SolveReport, Transport};
-pub use solve_mesh::{SolveFace, SolveMesh};
+pub use solve_mesh::{MANY_SIDES, SolveFace, SolveMesh};

@@ -15,10 +15,14 @@ const SAMPLED_SHARE: f64 = 0.05;
 
 /// With so many sides exact clipping everywhere costs more than the rest of the bake, and the mistakes of sampling are spread
 /// over so many of them that they cancel; fewer are always clipped exactly, so that rows sum to 1 to round-off.
-const MANY_SIDES: usize = 256;
+pub const MANY_SIDES: usize = 256;
 
 /// Rounds of halving at most: a shadow line is followed down to a sixteenth of the spacing.
 const MAX_HALVINGS: usize = 4;
+
+/// Weight of squared distances in elements that touch neither the outline nor a contact line: no other surface is near,
+/// and from afar only the power of an element counts, which the projection keeps.
+const INNER_WEIGHT: f64 = 0.1;
 
 /// Elements narrower than this share of the spacing are not halved.
 const SMALLEST_SHARE: f64 = 1.0 / 8.0;
@@ -190,8 +194,11 @@ impl SolveMesh {
                 for (&s, w) in face.mesh.sites[e].iter().zip(weights) {
                     linear += nodal[face.first_site + s as usize] * w;
                 }
+                let sites = face.mesh.sites[e];
+                let is_inner = !sites.iter().any(|&s| face.mesh.is_limit[s as usize]);
+                let weight = if is_inner { INNER_WEIGHT } else { 1.0 };
                 errors[sample.face as usize][e] +=
-                    sample.area * (sample.irradiance - linear).0.mean_square();
+                    weight * sample.area * (sample.irradiance - linear).0.mean_square();
             }
         }
         errors

@@ -30,13 +30,13 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// Settings for `camera` with 3 × 3 rays a pixel over black.
+    /// Settings for `camera` with 2 × 2 rays a pixel over black.
     pub fn new(width: u32, height: u32, camera: Camera) -> Self {
         Self {
             width,
             height,
             camera,
-            supersample: 3,
+            supersample: 2,
             background: Rgb::BLACK,
         }
     }

@@ -4,10 +4,12 @@
 //! cone touches gets its form factor from the angles of its edges, each computed once for the two elements it borders;
 //! only elements in partial view are clipped.
 
+use super::reach::direction;
 use super::solve_mesh::SolveTriangle;
 use super::{SolveFace, SolveMesh};
 use crate::direct::{edge_term, form_factor_of_directions};
 use crate::mesh::barycentric;
+use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Cone, Cones, Directions, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -32,6 +34,9 @@ const FEW_BLOCKERS: usize = 2;
 /// Behind more blockers an element that looks this many times larger than what one ray is enough for is sampled at
 /// sixteen points.
 const MANY_BLOCKERS_FACTOR: f64 = 64.0;
+
+/// Rays of a sampled row: evenly spread, they are right to about a per cent.
+const ROW_RAYS: u32 = 512;
 
 /// Coefficients of one row: `H = Σ weight · R[site] + Σ weight · mean R of a face`.
 #[derive(Clone, Debug, Default)]
@@ -95,6 +100,43 @@ impl<'a> Gatherer<'a> {
             arrays: Directions::default(),
             touching: Vec::new(),
         }
+    }
+
+    /// The row of a small face by rays alone, every face it sees taken as a whole: what such a face reflects matters little,
+    /// and the final gather is made afresh wherever it is looked at.
+    pub(super) fn sampled_row(&mut self, view: &Viewpoint, own: FaceId) -> Row {
+        let rays = self.blockers.rays();
+        let mut seen: Vec<u32> = (0..ROW_RAYS)
+            .filter_map(|i| {
+                let hit = rays.nearest_where(
+                    view.position,
+                    direction(view.horizon.normal, i),
+                    0.0,
+                    f64::INFINITY,
+                    |h| self.blockers.ray_owner(h.triangle) != own,
+                )?;
+                let side = if hit.is_front {
+                    FaceSide::Front
+                } else {
+                    FaceSide::Back
+                };
+                let key = (self.blockers.ray_owner(hit.triangle), side);
+                let index = self
+                    .mesh
+                    .faces
+                    .binary_search_by_key(&key, |f| (f.domain.face, f.domain.side));
+                index.ok().map(|k| k as u32)
+            })
+            .collect();
+        seen.sort_unstable();
+        let mut row = Row::default();
+        for k in seen {
+            match row.faces.last_mut() {
+                Some(last) if last.0 == k => last.1 += 1.0 / f64::from(ROW_RAYS),
+                _ => row.faces.push((k, 1.0 / f64::from(ROW_RAYS))),
+            }
+        }
+        row
     }
 
     /// The row of `view`.

@@ -79,7 +79,7 @@ pub fn reached(
 }
 
 /// Direction `i` of a cosine-distributed set over the hemisphere about `n`.
-fn direction(n: DVec3, i: u32) -> DVec3 {
+pub(super) fn direction(n: DVec3, i: u32) -> DVec3 {
     let [a, b] = R2.map(|r| (0.5 + r * f64::from(i + 1)).fract());
     let (sin, cos) = (TAU * b).sin_cos();
     let u = n.any_orthonormal_vector();

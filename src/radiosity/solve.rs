@@ -2,6 +2,7 @@
 
 use super::{Gatherer, Row, SolveFace, SolveMesh};
 use crate::quantity::{Irradiance, Radiosity, Rgb};
+use crate::scene::FaceId;
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -64,16 +65,26 @@ impl Transport {
     pub fn new(mesh: &SolveMesh, blockers: &Blockers) -> Self {
         let mut views = Vec::with_capacity(mesh.site_count());
         let mut means = Vec::with_capacity(mesh.site_count());
-        let faces = mesh
+        let faces: Vec<FaceRows> = mesh
             .faces
             .iter()
             .map(|face| FaceRows::new(face, blockers.weld_distance(), &mut views, &mut means))
             .collect();
+        let mut sampled: Vec<Option<FaceId>> = vec![None; views.len()];
+        for (rows, face) in faces.iter().map(|f: &FaceRows| &f.rows).zip(&mesh.faces) {
+            if face.is_small && face.sampled_below > 0.0 {
+                sampled[rows.start] = Some(face.domain.face);
+            }
+        }
         let rows = views
             .par_iter()
+            .zip(&sampled)
             .map_init(
                 || Gatherer::new(mesh, blockers),
-                |gatherer, view| gatherer.row(view),
+                |gatherer, (view, sampled)| match *sampled {
+                    Some(own) => gatherer.sampled_row(view, own),
+                    None => gatherer.row(view),
+                },
             )
             .collect();
         Self { rows, means, faces }

@@ -14,8 +14,8 @@ use umbrage::visibility::{Scratch, Viewpoint};
 /// Of B = M + ρE, relative.
 const TOLERANCE: f64 = 1e-3;
 
-/// Of Σ F = 1 over all that a point sees.
-const ROW_TOLERANCE: f64 = 1e-9;
+/// Of Σ F = 1 over all that a point sees: round-off, grown by cutting behind two boxes to 1.3e-8.
+const ROW_TOLERANCE: f64 = 1e-7;
 
 /// Random points in each room.
 const PROBES: usize = 300;
@@ -149,7 +149,6 @@ fn l_room_is_an_even_furnace() {
 }
 
 #[test]
-#[ignore = "does not end: emitters in slanted planes light their own backs"]
 fn cornell_room_is_an_even_furnace() {
     check("furnace-cornell", 0.05);
 }

@@ -43,13 +43,11 @@ fn a_floor_in_soft_shadow_is_as_good_as_asked() {
 }
 
 #[test]
-#[ignore = "fails: 1.7 % at 1 %, all of it indirect light near the contact line"]
 fn a_floor_with_contacts_is_as_good_as_asked() {
     check("blocker-touching-floor", &[0.03, 0.01], 500.0);
 }
 
 #[test]
-#[ignore = "fails: 4.3 % at 3 %, most of it the error of the solution"]
 fn a_room_lit_around_a_corner_is_as_good_as_asked() {
     check("l-room", &[0.03], 1500.0);
 }

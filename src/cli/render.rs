@@ -39,7 +39,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "DEGREES", value_parser = options::angle)]
     hfov: Option<f64>,
     /// Rays along each side of a pixel, 1 to 16
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(long, value_name = "N", default_value_t = 2)]
     supersample: u32,
     /// Threads; all processors when left out
     #[arg(long)]

@@ -187,7 +187,7 @@ impl<'a> Gatherer<'a> {
         }
         let cosines = view.horizon.normal.dot(d) * source.plane.distance(view.position) / squared;
         let f = cosines * source.area / (PI * squared);
-        if f > source.sampled_below {
+        if f > source.sampled_below || source.sampled_below == 0.0 {
             return false;
         }
         if f > 0.0 && self.blockers.sees(view, middle, source.domain.face) {

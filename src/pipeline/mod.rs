@@ -302,7 +302,7 @@ pub fn light<'a>(
 }
 
 /// Share of the permitted error left to the iteration.
-const SOLVE_SHARE: f64 = 0.02;
+const SOLVE_SHARE: f64 = 0.01;
 
 /// Every side that reflects or is seen, sorted.
 fn receiver_sides(scene: &Scene) -> Vec<(FaceId, FaceSide)> {

@@ -59,14 +59,14 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
             count(s.sites, "value")
         ),
     );
-    if s.solve.sites > 0 {
+    if s.solve.nodes > 0 {
         rows.add(
             "indirect",
             format!(
                 "{}, {}, {}, {}",
                 count(s.solve.elements, "element"),
-                count(s.solve.sites, "unknown"),
-                count(s.solve.coefficients, "coefficient"),
+                count(s.solve.nodes, "unknown"),
+                count(s.solve.links, "link"),
                 count(s.solve.residuals.len(), "sweep")
             ),
         );

@@ -2,6 +2,7 @@
 
 mod conform;
 mod exposure;
+mod indirect;
 mod lines;
 mod measure;
 mod mesh_edges;
@@ -19,16 +20,13 @@ use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
 use crate::discontinuity::{Discontinuity, LineMap, find_lines};
 use crate::lit_scene::LitScene;
-use crate::mesh::{FaceDomain, MeshError};
-use crate::quantity::Irradiance;
-use crate::radiosity::{
-    Bounces, IndirectField, LightSample, MANY_SIDES, SolveFace, SolveMesh, Transport, project,
-    reached,
-};
+use crate::mesh::MeshError;
+use crate::radiosity::{Bounces, IndirectField, reached};
 use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
 use crate::visibility::{Blockers, Scratch, Viewpoint};
 use crate::warning::Warning;
+use indirect::{Rooms, Shown, request};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -42,25 +40,6 @@ pub enum LightError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
-
-/// Elements of the mesh that guesses how much light is indirect, so that the error asked for means something in W/m².
-const FIRST_GUESS_ELEMENTS: f64 = 100.0;
-
-/// The direct light may depart from its projection to the solve mesh by this many times the error asked for: it is
-/// smoothed by a reflection before anyone sees it.
-const FOLLOW_SHARE: f64 = 6.0;
-
-/// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more.
-///
-/// The solution's error falls a little faster than in proportion to their number (measured on rooms lit around a corner
-/// and on boxes on a floor: concave edges keep it from h³), but most of it is gone at the coarsest.
-const SOLVE_ELEMENTS: f64 = 500.0;
-
-/// Their number grows as error to minus this power.
-const SOLVE_EXPONENT: f64 = 0.4;
-
-/// Area of an equilateral triangle of side 1: elements of a staggered lattice.
-const LATTICE_TRIANGLE: f64 = 0.433;
 
 /// Display elements start at this share of the scene's diagonal: fine enough that no bright spot falls between all points
 /// of a large face; shadows announce themselves by their lines.
@@ -82,6 +61,16 @@ const MISSED_MARGIN: f64 = 0.9;
 
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
 const MAX_ROUNDS: usize = 4;
+
+/// The solution is corrected by its own residual until a correction is below this share of the permitted error: what it
+/// leaves to the next one is smaller by far.
+const CORRECTION_SHARE: f64 = 0.7;
+
+/// The first correction is made once the field is within this many times its permitted error.
+const FIRST_CORRECTION: f64 = 3.0;
+
+/// Corrections at most, a round.
+const MAX_CORRECTIONS: usize = 4;
 
 /// A cleaned scene, ready to be lit.
 pub struct World {
@@ -163,34 +152,18 @@ pub fn light<'a>(
             .any(|&(f, _)| !scene.material_of(f).reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
     let spacing = START_SPACING * scene.diagonal;
-
-    let elements = SOLVE_ELEMENTS * (0.01 / settings.error).powf(SOLVE_EXPONENT);
-    let lit_count = is_lit.iter().filter(|l| **l).count();
-    // With very many sides the guess would cost as much as the solution: then the solution's own mesh makes it.
-    let is_guessed_apart = lit_count <= MANY_SIDES;
-    let mut mean_indirect = 0.0;
-    let mut coarse = None;
+    let rooms = Rooms {
+        scene,
+        blockers: &world.blockers,
+        lines: &lines,
+        sides: &sides,
+        is_lit: &is_lit,
+    };
+    let (mut mean_indirect, mut solve_mesh) = (0.0, None);
     if with_bounces {
         clock.start("first guess", &mut summary);
-        let n = if is_guessed_apart {
-            FIRST_GUESS_ELEMENTS
-        } else {
-            elements
-        };
-        let mesh = solve_mesh(scene, &lines, &sides, &is_lit, n, settings.error)?;
-        let transport = Transport::new(&mesh, &world.blockers);
-        let at_sites = direct_at_sites(&mesh, &direct);
-        let (radiosity, _) = transport.solve(&mesh, &at_sites, settings.bounces, settings.error);
-        let gathered = transport.gather_all(&radiosity);
-        mean_indirect = mean_at_sites(&mesh, |f, s| gathered.at_site(f, s));
-        coarse = Some(if is_guessed_apart {
-            (
-                solve_mesh(scene, &lines, &sides, &is_lit, elements, settings.error)?,
-                None,
-            )
-        } else {
-            (mesh, Some(transport))
-        });
+        mean_indirect = rooms.guess(&direct, settings.bounces)?;
+        solve_mesh = Some(rooms.solve_mesh(settings.error)?);
     }
 
     clock.start("display mesh", &mut summary);
@@ -215,8 +188,8 @@ pub fn light<'a>(
     })?;
 
     let mut indirect = None;
-    if let Some((mesh, transport)) = coarse {
-        clock.start("transport", &mut summary);
+    if let Some(mesh) = solve_mesh {
+        clock.start("solve", &mut summary);
         let index: Vec<(FaceId, FaceSide)> = mesh
             .faces
             .iter()
@@ -225,29 +198,12 @@ pub fn light<'a>(
         for r in &mut receivers {
             r.solve_face = index.binary_search(&(r.domain.face, r.domain.side)).ok();
         }
-        let samples = light_samples(&receivers);
-        let at_site = |face: &SolveFace, s: usize| {
-            direct.irradiance(&face.site_view(s), &mut Scratch::default())
-        };
         let mean = mean_of(&receivers) + mean_indirect;
-        let (mesh, transport) = match transport {
-            Some(transport) => (mesh, transport),
-            None => {
-                let target = FOLLOW_SHARE * settings.error * mean;
-                let mesh = mesh.follow(&samples, at_site, target)?;
-                let transport = Transport::new(&mesh, &world.blockers);
-                (mesh, transport)
-            }
-        };
-        clock.start("solve", &mut summary);
-        let g = project(&mesh, samples.into_iter(), |f, s| {
-            at_site(&mesh.faces[f], s)
-        });
-        let tolerance = settings.error * SOLVE_SHARE;
-        let (radiosity, report) = transport.solve(&mesh, &g, settings.bounces, tolerance);
+        let shown = Shown::new(&receivers, mesh.faces.len());
+        let request = request(settings, mean, mean_indirect);
+        let (field, report) =
+            IndirectField::solve(mesh, &world.blockers, request, |f, p| shown.direct(f, p));
         summary.solve = report;
-        clock.start("gather", &mut summary);
-        let field = IndirectField::new(mesh, &world.blockers, &transport, radiosity);
         indirect = Some(field);
     }
 
@@ -264,7 +220,20 @@ pub fn light<'a>(
     for round in 0..MAX_ROUNDS {
         if let Some(field) = &mut solution.indirect {
             clock.start("gather", &mut summary);
-            field.refine(settings.error * gathered * mean, |f| clock.tick(f))?;
+            let target = settings.error * gathered * mean;
+            let shown = Shown::new(&solution.receivers, field.mesh().faces.len());
+            // The first correction is made while there are few values to correct.
+            for step in 0..MAX_CORRECTIONS {
+                clock.start("gather", &mut summary);
+                let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
+                field.refine(coarser * target, |f| clock.tick(f))?;
+                clock.start("correct", &mut summary);
+                let corrected = field.correct(|f, p| shown.direct(f, p));
+                summary.corrections.push(corrected / mean);
+                if step > 0 && corrected <= CORRECTION_SHARE * settings.error * mean {
+                    break;
+                }
+            }
             solution.receivers.iter_mut().for_each(Receiver::relight);
         }
         clock.start("display mesh", &mut summary);
@@ -300,9 +269,6 @@ pub fn light<'a>(
     solution.summary = summary;
     Ok(solution)
 }
-
-/// Share of the permitted error left to the iteration.
-const SOLVE_SHARE: f64 = 0.01;
 
 /// Every side that reflects or is seen, sorted.
 fn receiver_sides(scene: &Scene) -> Vec<(FaceId, FaceSide)> {
@@ -373,56 +339,6 @@ fn beside_lines(scene: &Scene, lines: &[Discontinuity]) -> Vec<Viewpoint> {
         .collect()
 }
 
-/// The coarse mesh of all lit sides.
-fn solve_mesh(
-    scene: &Scene,
-    lines: &LineMap,
-    sides: &[(FaceId, FaceSide)],
-    is_lit: &[bool],
-    elements: f64,
-    error: f64,
-) -> Result<SolveMesh, MeshError> {
-    let lit = || sides.iter().zip(is_lit).filter(|s| *s.1).map(|s| *s.0);
-    let area: f64 = lit().map(|(f, _)| scene.faces[f].area).sum();
-    let spacing = (area / (LATTICE_TRIANGLE * elements)).sqrt();
-    let domains = lit()
-        .map(|(face, side)| {
-            let l = lines.of(face, side);
-            let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
-            (domain, scene.material_of(face).reflectance)
-        })
-        .collect();
-    SolveMesh::new(domains, spacing, error)
-}
-
-/// Exact direct light at every site of the solve mesh.
-fn direct_at_sites(mesh: &SolveMesh, direct: &DirectLight) -> Vec<Irradiance> {
-    mesh.faces
-        .par_iter()
-        .flat_map_iter(|face| {
-            let mut scratch = Scratch::default();
-            (0..face.mesh.site_vertices.len())
-                .map(|s| direct.irradiance(&face.site_view(s), &mut scratch))
-                .collect::<Vec<_>>()
-        })
-        .collect()
-}
-
-/// Area-weighted mean over the solve mesh, mean of the channels, W/m².
-fn mean_at_sites(mesh: &SolveMesh, value: impl Fn(usize, usize) -> Irradiance) -> f64 {
-    let (mut sum, mut area) = (0.0, 0.0);
-    for (f, face) in mesh.faces.iter().enumerate() {
-        for (e, sites) in face.mesh.sites.iter().enumerate() {
-            let a = face.mesh.area(e);
-            area += a;
-            for &s in sites {
-                sum += value(f, s as usize).mean() * a / 3.0;
-            }
-        }
-    }
-    if area > 0.0 { sum / area } else { 0.0 }
-}
-
 /// Mean irradiance that the meshes show over the lit surfaces, W/m².
 fn mean_of(receivers: &[Receiver]) -> f64 {
     let (mut power, mut area) = (0.0, 0.0);
@@ -432,34 +348,6 @@ fn mean_of(receivers: &[Receiver]) -> f64 {
     }
     if area > 0.0 { power / area } else { 0.0 }
 }
-
-/// The direct light of the display meshes, as samples on the faces of the solve mesh.
-fn light_samples(receivers: &[Receiver]) -> Vec<LightSample> {
-    let mut samples = Vec::new();
-    for r in receivers {
-        let Some(face) = r.solve_face else { continue };
-        for e in 0..r.mesh.elements.len() {
-            let p = r.mesh.corners(e);
-            let value = r.mesh.sites[e].map(|s| r.direct[s as usize]);
-            let area = r.mesh.area(e) / SUB_POINTS.len() as f64;
-            samples.extend(SUB_POINTS.iter().map(|w| LightSample {
-                face: face as u32,
-                point: p[0] * w[0] + p[1] * w[1] + p[2] * w[2],
-                area,
-                irradiance: value[0] * w[0] + value[1] * w[1] + value[2] * w[2],
-            }));
-        }
-    }
-    samples
-}
-
-/// Middles of the four triangles that a triangle is divided into at its edge midpoints: four equal shares of its area.
-const SUB_POINTS: [[f64; 3]; 4] = [
-    [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
-    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
-    [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
-    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-];
 
 impl Solution<'_> {
     /// Compares what the mesh shows with what is there, at stratified random points of the lit surfaces.

@@ -54,6 +54,9 @@ pub struct Summary {
     pub adapt: AdaptReport,
     /// How the indirect light was solved.
     pub solve: SolveReport,
+    /// RMS of what each correction of the solution by its own residual changed, relative to the mean: an estimate of the error
+    /// that it mended.
+    pub corrections: Vec<f64>,
     /// Final gathers of the indirect light, those of the solution included.
     pub gathers: usize,
     /// Error asked for, relative.

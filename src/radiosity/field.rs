@@ -4,10 +4,15 @@
 //! buys only what the error asked for needs, the cheapest first: one value for a face that is small; values at the corners
 //! of its elements; at the midpoints of their edges (quadratic interpolation); one in the middle, to know the error; and
 //! where that is too large, smaller elements.
+//!
+//! What the finer field reflects differs from what the solution had assumed. That difference is the residual of the
+//! solution; gathered in its turn it is both an estimate of the solution's error and its correction.
 
+use super::cells::{FaceCells, FaceLight, follow_all};
 use super::field_face::FieldFace;
-use super::solve::apply;
-use super::{Gatherer, SolveMesh, Transport};
+use super::gather::Oracle;
+use super::solve::Transport;
+use super::{Bounces, Gatherer, SolveMesh, SolveReport};
 use crate::mesh::MeshError;
 use crate::quantity::{Irradiance, Radiosity};
 use crate::visibility::{Blockers, Viewpoint};
@@ -20,58 +25,146 @@ const UNMARKED_SHARE: f64 = 0.5;
 /// Rounds of buying: enough for six halvings of an element, each of three steps.
 const MAX_ROUNDS: usize = 24;
 
+/// Shares of the permitted error that one link may miss by what is not linear about a cell, and one ray by what stands
+/// between. The mistakes of many add like random steps.
+const LINK_SHARE: f64 = 0.2;
+const RAY_SHARE: f64 = 0.1;
+
+/// What a gather that others are judged by is asked for beyond that.
+const REFERENCE_SHARE: f64 = 0.25;
+
+/// A face whose share of the residual sends less than this share of the permitted error is not looked at.
+const SKIP_SHARE: f64 = 0.01;
+
+/// Cells follow the light until it departs from linear by less than this many times the permitted error: it is weighed by
+/// the cell's form factor before anyone sees it.
+const FOLLOW_SHARE: f64 = 4.0;
+
+/// Cells are at most as wide as the spacing of the solve mesh, and not divided below this share of it.
+const SMALLEST_SHARE: f64 = 1.0 / 32.0;
+
+/// The indirect light on a whole face departs from a linear function by about this share of its mean, and ranges over as
+/// much: all that is known before it is solved for.
+const AMBIENT_SHARE: f64 = 0.15;
+
+/// What is asked of the indirect light.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Permitted error, W/m².
+    pub error: f64,
+    /// The mean that is expected, W/m².
+    pub ambient: f64,
+    /// How often light is reflected.
+    pub bounces: Bounces,
+    /// Permitted error of the iteration, relative to the largest radiosity.
+    pub tolerance: f64,
+}
+
 /// Indirect irradiance over all lit sides.
 pub struct IndirectField<'a> {
     solution: Coarse<'a>,
+    /// Links of the coarse mesh, for what the corrections cause in their turn.
+    transport: Transport,
     faces: Vec<FieldFace>,
+    request: Request,
     /// Gathers made.
     gathers: usize,
     /// Estimated RMS error of the field, W/m².
     estimated_rms: f64,
 }
 
-/// The coarse solution and what is needed to gather from it.
-pub(super) struct Coarse<'a> {
-    pub(super) mesh: SolveMesh,
-    pub(super) blockers: &'a Blockers,
-    radiosity: Vec<Radiosity>,
-    means: Vec<Radiosity>,
+/// What is gathered from.
+struct Coarse<'a> {
+    mesh: SolveMesh,
+    trees: Vec<FaceCells>,
+    light: Vec<FaceLight>,
+    blockers: &'a Blockers,
+    /// Permitted error of one gather, W/m², less the amplification by further bounces.
+    error: f64,
 }
 
 impl Coarse<'_> {
-    /// Indirect irradiance at `view`, W/m².
-    pub(super) fn gather(&self, gatherer: &mut Gatherer, view: &Viewpoint) -> Irradiance {
-        apply(&gatherer.row(view), &self.radiosity, &self.means)
+    fn gatherer(&self) -> Gatherer<'_> {
+        Gatherer::new(&self.mesh, &self.trees, self.blockers)
     }
 
-    pub(super) fn gatherer(&self) -> Gatherer<'_> {
-        Gatherer::new(&self.mesh, self.blockers)
+    /// Indirect irradiance at `view` from `light`, W/m².
+    fn gather(
+        &self,
+        gatherer: &mut Gatherer,
+        view: &Viewpoint,
+        light: &[FaceLight],
+        accuracy: f64,
+        skip: f64,
+    ) -> Irradiance {
+        let oracle = Oracle {
+            light,
+            ambient: 0.0,
+            link: LINK_SHARE * accuracy,
+            ray: RAY_SHARE * accuracy,
+            skip,
+        };
+        let mut sum = Irradiance::ZERO;
+        gatherer.visit(view, &oracle, &mut |f, c, weights| {
+            let corners = &light[f].cells[c].corners;
+            for (b, w) in corners.iter().zip(weights) {
+                sum += Irradiance(b.0 * w);
+            }
+        });
+        sum
     }
 }
 
 impl<'a> IndirectField<'a> {
-    /// The field of a solution, with what the solution itself has gathered already.
-    pub fn new(
+    /// Solves for the indirect light on `mesh`, given the direct light at every point of its faces (`direct(face, point)`,
+    /// frame coordinates, W/m²).
+    pub fn solve(
         mesh: SolveMesh,
         blockers: &'a Blockers,
-        transport: &Transport,
-        radiosity: Vec<Radiosity>,
-    ) -> Self {
-        let gathered = transport.gather_all(&radiosity);
+        request: Request,
+        direct: impl Fn(usize, DVec2) -> Irradiance + Sync,
+    ) -> (Self, SolveReport) {
+        // What a gather misses comes back with every bounce.
+        let error = request.error * (1.0 - mesh.mean_reflectance());
+        let mut trees: Vec<FaceCells> = mesh
+            .faces
+            .par_iter()
+            .map(|f| FaceCells::new(f, mesh.spacing))
+            .collect();
+        let smallest = SMALLEST_SHARE * mesh.spacing;
+        let limit = FOLLOW_SHARE * request.error;
+        let mut light = follow_all(&mut trees, &mesh.faces, limit, smallest, |f, p| {
+            Radiosity(mesh.faces[f].reflectance * direct(f, p).0)
+        });
+        let oracle = Oracle {
+            light: &light,
+            ambient: AMBIENT_SHARE * request.ambient,
+            link: LINK_SHARE * error,
+            ray: RAY_SHARE * error,
+            skip: 0.0,
+        };
+        let transport = Transport::new(&mesh, &trees, blockers, &oracle);
+        let (values, report) =
+            transport.solve(&mesh, &mut light, request.bounces, request.tolerance);
+        let gathered = transport.field(&values);
         let faces = (0..mesh.faces.len())
             .map(|f| FieldFace::new(&mesh.faces[f], f, &gathered))
             .collect();
-        Self {
+        let field = Self {
+            gathers: transport.node_count(),
             solution: Coarse {
-                means: transport.face_means(&radiosity),
                 mesh,
+                trees,
+                light,
                 blockers,
-                radiosity,
+                error,
             },
+            transport,
             faces,
-            gathers: transport.row_count(),
+            request,
             estimated_rms: 0.0,
-        }
+        };
+        (field, report)
     }
 
     /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²).
@@ -79,7 +172,7 @@ impl<'a> IndirectField<'a> {
     /// # Errors
     /// [`MeshError`]: our own bug.
     pub fn refine(&mut self, target: f64, mut progress: impl FnMut(f64)) -> Result<(), MeshError> {
-        let area: f64 = self.faces.iter().map(FieldFace::area).sum();
+        let area = self.area();
         let allowed = target * target * area;
         for _ in 0..MAX_ROUNDS {
             let mut squares: Vec<f64> = self.faces.iter().flat_map(FieldFace::errors).collect();
@@ -108,7 +201,7 @@ impl<'a> IndirectField<'a> {
                     || solution.gatherer(),
                     |gatherer, (field, face)| {
                         field.buy(face, limit, solution.blockers.weld_distance(), |view| {
-                            solution.gather(gatherer, view)
+                            solution.gather(gatherer, view, &solution.light, solution.error, 0.0)
                         })
                     },
                 )
@@ -122,14 +215,89 @@ impl<'a> IndirectField<'a> {
         Ok(())
     }
 
+    /// Replaces the light of the cells by what the field and `direct` (as in [`IndirectField::solve`]) reflect, and adds to
+    /// the field what that changes; returns the RMS of this correction (W/m²), an estimate of the error before it. Light
+    /// that is reflected a counted number of times is left alone.
+    pub fn correct(&mut self, direct: impl Fn(usize, DVec2) -> Irradiance + Sync) -> f64 {
+        if self.request.bounces != Bounces::All {
+            return 0.0;
+        }
+        let solution = &mut self.solution;
+        let faces = &self.faces;
+        let mesh = &solution.mesh;
+        let limit = FOLLOW_SHARE * self.request.error;
+        let smallest = SMALLEST_SHARE * mesh.spacing;
+        let new = follow_all(&mut solution.trees, &mesh.faces, limit, smallest, |f, p| {
+            Radiosity(mesh.faces[f].reflectance * (direct(f, p) + faces[f].at(p)).0)
+        });
+        let residual: Vec<FaceLight> = new
+            .iter()
+            .zip(&solution.light)
+            .zip(&solution.trees)
+            .map(|((new, old), tree)| new.minus(old, tree))
+            .collect();
+        // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
+        let once = self.transport.gather_all(&residual);
+        let mut coarse = residual.clone();
+        let request = &self.request;
+        let (all, _) = self
+            .transport
+            .solve(mesh, &mut coarse, request.bounces, request.tolerance);
+        let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
+        let (all, further) = (self.transport.field(&all), self.transport.field(&further));
+        solution.light = new;
+        let trees = &solution.trees;
+        solution
+            .light
+            .par_iter_mut()
+            .zip(&mesh.faces)
+            .enumerate()
+            .for_each(|(f, (light, face))| {
+                light.add(&trees[f], |p| {
+                    Radiosity(face.reflectance * all.at(face, f, p).0)
+                });
+            });
+        let solution = &self.solution;
+        let skip = SKIP_SHARE * solution.error;
+        let squares: Vec<f64> = self
+            .faces
+            .par_iter_mut()
+            .zip(&solution.mesh.faces)
+            .enumerate()
+            .map_init(
+                || solution.gatherer(),
+                |gatherer, (f, (field, face))| {
+                    field.add(face, solution.blockers.weld_distance(), |view, p| {
+                        solution.gather(gatherer, view, &residual, solution.error, skip)
+                            + further.at(face, f, p)
+                    })
+                },
+            )
+            .collect();
+        (squares.iter().sum::<f64>() / self.area()).sqrt()
+    }
+
+    fn area(&self) -> f64 {
+        self.faces.iter().map(FieldFace::area).sum()
+    }
+
     /// Indirect irradiance at frame coordinates `p` of solve face `f`, W/m², interpolated.
     pub fn at(&self, f: usize, p: DVec2) -> Irradiance {
         self.faces[f].at(p)
     }
 
-    /// Indirect irradiance at `view`, gathered there exactly from the solution, W/m².
+    /// Mean indirect irradiance over all faces, mean of the channels, W/m².
+    pub fn mean(&self) -> f64 {
+        let power: f64 = self.faces.iter().map(|f| f.power().mean()).sum();
+        let area = self.area();
+        if area > 0.0 { power / area } else { 0.0 }
+    }
+
+    /// Indirect irradiance at `view`, gathered there from the solution more finely than the field is, W/m².
     pub fn gather(&self, gatherer: &mut Gatherer, view: &Viewpoint) -> Irradiance {
-        self.solution.gather(gatherer, view)
+        let solution = &self.solution;
+        let accuracy = REFERENCE_SHARE * solution.error;
+        solution.gather(gatherer, view, &solution.light, accuracy, 0.0)
     }
 
     /// A gatherer for [`IndirectField::gather`].

@@ -1,7 +1,8 @@
 //! The indirect light on one side of one face.
 
+use super::SolveFace;
 use super::locator::Locator;
-use super::{Gathered, SolveFace};
+use super::nodes::NodalField;
 use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
@@ -48,7 +49,7 @@ pub(super) struct FieldFace {
 
 impl FieldFace {
     /// Starts from what the solution has gathered on solve face number `f`.
-    pub(super) fn new(face: &SolveFace, f: usize, solution: &Gathered) -> Self {
+    pub(super) fn new(face: &SolveFace, f: usize, solution: &NodalField) -> Self {
         let mesh = face.mesh.clone();
         let values = (0..mesh.site_vertices.len())
             .map(|s| solution.at_site(f, s))
@@ -94,6 +95,17 @@ impl FieldFace {
         (0..self.mesh.elements.len())
             .map(|e| self.mesh.area(e))
             .sum()
+    }
+
+    /// Integral over the elements, linear between the corners, W.
+    pub(super) fn power(&self) -> Irradiance {
+        let mut sum = Irradiance::ZERO;
+        for (e, sites) in self.mesh.sites.iter().enumerate() {
+            for &s in sites {
+                sum += self.values[s as usize] * (self.mesh.area(e) / 3.0);
+            }
+        }
+        sum
     }
 
     /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
@@ -181,6 +193,63 @@ impl FieldFace {
                 value
             };
         }
+    }
+
+    /// Adds `more(viewpoint, frame coordinates)` to every value; returns the integral of its square over the face.
+    pub(super) fn add(
+        &mut self,
+        face: &SolveFace,
+        weld_distance: f64,
+        mut more: impl FnMut(&Viewpoint, DVec2) -> Irradiance,
+    ) -> f64 {
+        if self.is_uniform {
+            let view = Viewpoint::new(face.middle_point, face.domain.normal);
+            let all = more(&view, face.domain.frame.to_plane(face.middle_point));
+            self.values.iter_mut().for_each(|v| *v += all);
+            return self.area() * all.0.mean_square();
+        }
+        self.gathered.clear();
+        let mut more = |p: DVec2| more(&face.view(p), p);
+        let mut added = Vec::with_capacity(self.values.len());
+        for s in 0..self.values.len() {
+            let amount = more(self.mesh.site_points[s]);
+            added.push(amount.0.mean_square());
+            self.values[s] += amount;
+            if !self.mesh.is_limit[s] {
+                let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
+                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
+            }
+        }
+        for e in 0..self.known.len() {
+            for k in 0..3 {
+                let Some(old) = self.known[e].middles[k] else {
+                    continue;
+                };
+                let key = self.key(e, k);
+                let p = self.mesh.corners(e);
+                let middle = p[k].midpoint(p[(k + 1) % 3]);
+                let is_barrier = self.mesh.is_barrier(e, k);
+                let new = match self.gathered.get(&key) {
+                    Some(&value) if !is_barrier => value,
+                    _ if is_barrier => {
+                        let inside = self.mesh.inset(e, middle, weld_distance);
+                        old + more(inside)
+                    }
+                    _ => {
+                        let value = old + more(middle);
+                        self.gathered.insert(key, value);
+                        value
+                    }
+                };
+                self.known[e].middles[k] = Some(new);
+            }
+        }
+        (0..self.mesh.elements.len())
+            .map(|e| {
+                let sum: f64 = self.mesh.sites[e].iter().map(|&s| added[s as usize]).sum();
+                self.mesh.area(e) * sum / 3.0
+            })
+            .sum()
     }
 
     /// Gathers at the midpoints of element `e`; a neighbour across an ordinary edge shares the value.

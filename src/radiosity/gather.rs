@@ -1,384 +1,378 @@
-//! One row of the transport: what a point sees of the solve mesh, exactly.
+//! What a point sees of the cells: the transport, one receiving point at a time.
 //!
-//! Face by face: the parts that may stand between are found once for the face, their cones built once; an element that no
-//! cone touches gets its form factor from the angles of its edges, each computed once for the two elements it borders;
-//! only elements in partial view are clipped.
+//! Face by face: the parts that may stand between are found once for the face and their cones built once; then the face's
+//! trees are walked from the roots. A cell that a cone hides ends the walk; cones that pass it by are not looked at again
+//! below it. The walk stops at a cell whose light, seen from here, is as good as linear: its form factor is Lambert's,
+//! its visible part what exact cutting leaves of it. Faces too faint to be worth that are judged by rays.
 
-use super::reach::direction;
-use super::solve_mesh::SolveTriangle;
+use super::cells::{CellLight, FaceCells, FaceLight};
+use super::kernel::{Basis, Corner, cell_corners, split};
 use super::{SolveFace, SolveMesh};
-use crate::direct::{edge_term, form_factor_of_directions};
-use crate::mesh::barycentric;
-use crate::scene::{FaceId, FaceSide};
-use crate::visibility::{Blockers, Cone, Cones, Directions, Scratch, Target, Viewpoint};
+use crate::direct::form_factor_of_directions;
+use crate::visibility::{Blockers, Cone, Cones, Relation, Scratch, Target, Viewpoint};
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use smallvec::SmallVec;
+use std::f64::consts::PI;
+use std::ops::Range;
 
-/// A source face this many times farther than its radius is taken as a whole, with its mean radiosity: over it the
-/// kernel then varies by less than an eighth.
-const FAR_IN_RADII: f64 = 8.0;
+/// A face is judged by rays alone when so many of them are enough.
+const FEW_RAYS: f64 = 8.0;
 
-/// Only a face this many times farther than its radius may be judged by one ray to its middle: its form factor is then
-/// that of a point to a few per cent.
-const NEAR_IN_RADII: f64 = 4.0;
-
-/// A visible piece wider than this share of its distance is divided before its basis weights are read at its middle.
-const PIECE_SHARE: f64 = 0.5;
-
-/// Divisions of a piece at most: each halves its width, so that the last ones matter for 4⁻⁵ of the element.
-const MAX_DIVISIONS: u32 = 5;
-
-/// Up to so many blockers an element in partial view is clipped exactly, however small it looks.
+/// Up to so many blockers a cell in partial view is cut exactly, however faint it is.
 const FEW_BLOCKERS: usize = 2;
 
-/// Behind more blockers an element that looks this many times larger than what one ray is enough for is sampled at
-/// sixteen points.
-const MANY_BLOCKERS_FACTOR: f64 = 64.0;
+/// Behind more blockers a cell that sends this many times more light than one ray may be wrong about is judged at sixteen
+/// points: their share of the cell's light is that of a few rays.
+const SAMPLED_FACTOR: f64 = 4.0;
 
-/// Rays of a sampled row: evenly spread, they are right to about a per cent.
-const ROW_RAYS: u32 = 512;
+/// Only seen from farther than this many times its radius a face may be judged by one ray to its middle: its form factor
+/// is then that of a point to a few per cent.
+const FAR_IN_RADII: f64 = 4.0;
 
-/// Coefficients of one row: `H = Σ weight · R[site] + Σ weight · mean R of a face`.
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    /// (site, weight), sites ascending, each once.
-    pub sites: Vec<(u32, f64)>,
-    /// (index of the solve face, weight), ascending.
-    pub faces: Vec<(u32, f64)>,
+/// How good a gather has to be; every limit is irradiance, W/m².
+#[derive(Clone, Copy)]
+pub(super) struct Oracle<'l> {
+    /// The light of all cells, by face.
+    pub(super) light: &'l [FaceLight],
+    /// What may come on top of it: RMS distance from a linear function and range over a whole face, before reflection.
+    pub(super) ambient: f64,
+    /// A cell is taken as it is when what is not linear about it sends less than this.
+    pub(super) link: f64,
+    /// A bit of surface that sends less than this may be judged by one ray.
+    pub(super) ray: f64,
+    /// A face that sends less than this even in full view is left out.
+    pub(super) skip: f64,
 }
 
-impl Row {
-    /// Sum of all weights: the share of the hemisphere filled by reflecting elements (0…1).
-    pub fn sum(&self) -> f64 {
-        self.sites.iter().chain(&self.faces).map(|w| w.1).sum()
+/// Light sent per form factor by the cell at hand.
+struct Strength {
+    deviation: f64,
+    range: f64,
+    largest: f64,
+}
+
+impl Oracle<'_> {
+    fn strength(&self, face: usize, light: &CellLight, ambient: f64) -> Strength {
+        Strength {
+            deviation: light.deviation + ambient,
+            range: light.range() + ambient,
+            largest: self.light[face].largest + ambient,
+        }
     }
 }
 
-/// Evaluates rows; holds the buffers of one thread.
+/// Walks the cells; holds the buffers of one thread.
 pub struct Gatherer<'a> {
     mesh: &'a SolveMesh,
+    trees: &'a [FaceCells],
     blockers: &'a Blockers,
     scratch: Scratch,
-    weights: Weights,
     candidates: Vec<u32>,
     cones: Cones,
-    /// Of the face at hand: directions to its vertices, their heights above the horizon, the terms of its edges, and for
-    /// each cone and vertex the sides of the cone that it lies beyond.
-    directions: Vec<DVec3>,
-    heights: Vec<f64>,
-    terms: Vec<f64>,
-    beyond: Vec<u64>,
-    arrays: Directions,
-    /// The cones that touch the element at hand.
+    /// Cones that touch the cells on the way from the root to the cell at hand.
     touching: Vec<u32>,
 }
 
-/// What the cones do to an element.
-enum Sight {
-    Clear,
-    Hidden,
-    Partial,
+/// A cell as seen from the viewpoint.
+struct Seen {
+    corners: [DVec3; 3],
+    is_above: bool,
+    /// A bound of its form factor.
+    form_factor: f64,
+    /// Square of its width over its distance, at most 1.
+    spread: f64,
 }
 
 impl<'a> Gatherer<'a> {
-    /// A gatherer from the elements of `mesh` past `blockers`.
-    pub fn new(mesh: &'a SolveMesh, blockers: &'a Blockers) -> Self {
+    pub(super) fn new(mesh: &'a SolveMesh, trees: &'a [FaceCells], blockers: &'a Blockers) -> Self {
         Self {
             mesh,
+            trees,
             blockers,
             scratch: Scratch::default(),
-            weights: Weights {
-                values: vec![0.0; mesh.site_count()],
-                touched: Vec::new(),
-            },
             candidates: Vec::new(),
             cones: Cones::default(),
-            directions: Vec::new(),
-            heights: Vec::new(),
-            terms: Vec::new(),
-            beyond: Vec::new(),
-            arrays: Directions::default(),
             touching: Vec::new(),
         }
     }
 
-    /// The row of a small face by rays alone, every face it sees taken as a whole: what such a face reflects matters little,
-    /// and the final gather is made afresh wherever it is looked at.
-    pub(super) fn sampled_row(&mut self, view: &Viewpoint, own: FaceId) -> Row {
-        let rays = self.blockers.rays();
-        let mut seen: Vec<u32> = (0..ROW_RAYS)
-            .filter_map(|i| {
-                let hit = rays.nearest_where(
-                    view.position,
-                    direction(view.horizon.normal, i),
-                    0.0,
-                    f64::INFINITY,
-                    |h| self.blockers.ray_owner(h.triangle) != own,
-                )?;
-                let side = if hit.is_front {
-                    FaceSide::Front
-                } else {
-                    FaceSide::Back
-                };
-                let key = (self.blockers.ray_owner(hit.triangle), side);
-                let index = self
-                    .mesh
-                    .faces
-                    .binary_search_by_key(&key, |f| (f.domain.face, f.domain.side));
-                index.ok().map(|k| k as u32)
-            })
-            .collect();
-        seen.sort_unstable();
-        let mut row = Row::default();
-        for k in seen {
-            match row.faces.last_mut() {
-                Some(last) if last.0 == k => last.1 += 1.0 / f64::from(ROW_RAYS),
-                _ => row.faces.push((k, 1.0 / f64::from(ROW_RAYS))),
-            }
-        }
-        row
-    }
-
-    /// The row of `view`.
-    pub fn row(&mut self, view: &Viewpoint) -> Row {
-        let mut row = Row::default();
+    /// Calls `sink(face, cell, weights)` for every cell that `view` takes light from: its irradiance is the sum of
+    /// `weights[k]` times the radiosity at the cells' corners.
+    pub(super) fn visit(
+        &mut self,
+        view: &Viewpoint,
+        oracle: &Oracle,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
         let mesh = self.mesh;
-        for (i, source) in mesh.faces.iter().enumerate() {
-            if source.reflectance.is_black()
-                || source.triangles.is_empty()
-                || source.plane.distance(view.position) <= self.blockers.roundoff()
-            {
+        for (f, face) in mesh.faces.iter().enumerate() {
+            if face.reflectance.is_black() {
                 continue;
             }
-            let to_centre = source.centre - view.position;
-            if view.horizon.normal.dot(to_centre) <= -source.radius {
+            let ambient = oracle.ambient * face.reflectance.0.max_element();
+            let largest = oracle.light[f].largest + ambient;
+            let most = face.largest_form_factor(view, self.blockers.roundoff());
+            if most <= 0.0 || most * largest <= oracle.skip {
                 continue;
             }
-            if self.glance(view, source, i as u32, &mut row) || !self.look_at(view, source) {
-                continue;
-            }
-            let is_far = to_centre.length() > FAR_IN_RADII * source.radius;
-            let mut whole = 0.0;
-            for (e, t) in source.triangles.iter().enumerate() {
-                match self.sight(source, t) {
-                    Sight::Hidden => {}
-                    Sight::Clear => self.clear(view, source, e, is_far, &mut whole),
-                    Sight::Partial => self.partial(view, source, e, is_far, &mut whole),
+            let walk = Walk {
+                view,
+                oracle,
+                f,
+                face,
+                tree: &self.trees[f],
+                ambient,
+            };
+            if most * largest <= FEW_RAYS * oracle.ray {
+                self.by_rays(&walk, most * largest <= oracle.ray, sink);
+            } else if self.look_at(view, face) {
+                self.touching.clear();
+                self.touching.extend(0..self.cones.len() as u32);
+                for root in 0..walk.tree.roots as usize {
+                    self.descend(&walk, root, 0..self.cones.len(), sink);
                 }
             }
-            if whole > 0.0 {
-                row.faces.push((i as u32, whole));
-            }
         }
-        row.sites = self.weights.drain();
-        row
     }
 
-    /// Adds a face that fills too little of the hemisphere to be worth more than a few rays; false when it fills more.
-    fn glance(&self, view: &Viewpoint, source: &SolveFace, index: u32, row: &mut Row) -> bool {
-        let Some(middle) = source.middle_point else {
-            return true;
+    /// Sum of all weights at `view`, every cell cut exactly: the share of the hemisphere filled by reflecting surfaces
+    /// (0…1).
+    pub fn row_sum(&mut self, view: &Viewpoint) -> f64 {
+        let light: Vec<FaceLight> = self.trees.iter().map(FaceLight::dark).collect();
+        let oracle = Oracle {
+            light: &light,
+            ambient: 1.0,
+            link: 0.0,
+            ray: 0.0,
+            skip: 0.0,
         };
-        let d = middle - view.position;
-        let squared = d.length_squared();
-        // Seen from nearby the face may look larger from elsewhere on it: only the far ones are judged by their middle.
-        if squared < NEAR_IN_RADII * NEAR_IN_RADII * source.radius * source.radius {
-            return false;
-        }
-        let cosines = view.horizon.normal.dot(d) * source.plane.distance(view.position) / squared;
-        let f = cosines * source.area / (PI * squared);
-        if f > source.sampled_below || source.sampled_below == 0.0 {
-            return false;
-        }
-        if f > 0.0 && self.blockers.sees(view, middle, source.domain.face) {
-            row.faces.push((index, f));
-        }
-        true
+        let mut sum = 0.0;
+        self.visit(view, &oracle, &mut |_, _, w| sum += w[0] + w[1] + w[2]);
+        sum
     }
 
-    /// Prepares everything about one source face that its elements share; false when none of it is above the horizon.
-    fn look_at(&mut self, view: &Viewpoint, source: &SolveFace) -> bool {
-        self.directions.clear();
-        self.directions
-            .extend(source.positions.iter().map(|&p| p - view.position));
-        self.heights.clear();
-        self.heights
-            .extend(self.directions.iter().map(|d| view.horizon.normal.dot(*d)));
-        if !self.heights.iter().any(|&h| h > 0.0) {
-            return false;
+    /// A face by rays: one to its middle, or one to each of its cells.
+    fn by_rays(
+        &mut self,
+        walk: &Walk,
+        is_one_enough: bool,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        if is_one_enough && let Some(f) = walk.face.distant_form_factor(walk.view, FAR_IN_RADII) {
+            if f > 0.0
+                && self
+                    .blockers
+                    .sees(walk.view, walk.face.middle_point, walk.face.domain.face)
+            {
+                let share = f / walk.face.area / 3.0;
+                for root in 0..walk.tree.roots as usize {
+                    sink(walk.f, root, [walk.tree.cells[root].area * share; 3]);
+                }
+            }
+            return;
         }
+        for root in 0..walk.tree.roots as usize {
+            self.cell_by_rays(walk, root, sink);
+        }
+    }
+
+    fn cell_by_rays(
+        &mut self,
+        walk: &Walk,
+        c: usize,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        let Some(seen) = walk.look(c) else { return };
+        let strength = walk.strength(c);
+        if let Some(child) = walk.tree.cells[c].first_child()
+            && seen.form_factor * strength.largest > walk.oracle.ray
+        {
+            self.cell_by_rays(walk, child, sink);
+            self.cell_by_rays(walk, child + 1, sink);
+            return;
+        }
+        let cell = &walk.tree.cells[c];
+        if !self
+            .blockers
+            .sees(walk.view, cell.centre, walk.face.domain.face)
+        {
+            return;
+        }
+        let n = walk.view.horizon.normal;
+        let f = if seen.is_above {
+            form_factor_of_directions(n, &seen.corners)
+        } else {
+            let mut f = 0.0;
+            let target = walk.target(c);
+            self.scratch.visible_past(
+                self.blockers,
+                std::iter::empty(),
+                walk.view,
+                target,
+                |piece| f += form_factor_of_directions(n, piece),
+            );
+            f
+        };
+        sink(walk.f, c, [f / 3.0; 3]);
+    }
+
+    /// Finds the cones of everything between `view` and a face; false when one of them hides all of it.
+    fn look_at(&mut self, view: &Viewpoint, face: &SolveFace) -> bool {
         self.candidates.clear();
-        self.blockers.collect(
-            view,
-            source.region(view),
-            source.plane,
-            &mut self.candidates,
-        );
-        let rectangle = source.rectangle.map(|p| p - view.position);
-        let is_hidden = self.blockers.cones(
+        self.blockers
+            .collect(view, face.region(view), face.plane, &mut self.candidates);
+        let rectangle = face.rectangle.map(|p| p - view.position);
+        !self.blockers.cones(
             &self.candidates,
             view,
-            source.plane,
+            face.plane,
             &rectangle,
             &mut self.cones,
-        );
-        if is_hidden {
-            return false;
-        }
-        self.arrays.set(&self.directions);
-        self.beyond.clear();
-        for cone in self.cones.iter() {
-            cone.outside(&self.arrays, &mut self.beyond);
-        }
-        self.terms.clear();
-        self.terms.extend(source.edges.iter().map(|&[a, b]| {
-            edge_term(
-                view.horizon.normal,
-                self.directions[a as usize],
-                self.directions[b as usize],
-            )
-        }));
-        true
+        )
     }
 
-    /// What the cones do to an element; lists those that touch it.
-    fn sight(&mut self, source: &SolveFace, t: &SolveTriangle) -> Sight {
-        self.touching.clear();
-        let corners = t.vertices.map(|v| v as usize);
-        let heights = corners.map(|v| self.heights[v]);
-        if heights.iter().all(|&h| h <= 0.0) {
-            return Sight::Hidden;
-        }
-        let n = source.positions.len();
-        let directions = corners.map(|v| self.directions[v]);
-        for (i, cone) in self.cones.iter().enumerate() {
-            let [x, y, z] = corners.map(|v| self.beyond[i * n + v]);
-            // A cone is convex: with all corners inside it the whole element is.
-            if x | y | z == 0 && cone.is_simple() {
-                return Sight::Hidden;
-            }
-            if x & y & z == 0 && !cone.is_beyond_edge_of(&directions) {
-                self.touching.push(i as u32);
-            }
-        }
-        if self.touching.is_empty() && heights.iter().all(|&h| h >= 0.0) {
-            Sight::Clear
-        } else {
-            Sight::Partial
-        }
-    }
-
-    /// Adds an element in full view.
-    fn clear(
+    /// The light of cell `c`, past those of the cones that `parents` lists.
+    fn descend(
         &mut self,
-        view: &Viewpoint,
-        source: &SolveFace,
-        e: usize,
-        is_far: bool,
-        whole: &mut f64,
+        walk: &Walk,
+        c: usize,
+        parents: Range<usize>,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let t = &source.triangles[e];
-        let corners = t.vertices.map(|v| self.directions[v as usize]);
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        if !is_far && t.width_squared > PIECE_SHARE * PIECE_SHARE * middle.length_squared() {
-            let mut sum = [0.0; 3];
-            let weigh = weights_on(source, view, e);
-            accumulate(view.horizon.normal, corners, 0, &weigh, &mut sum);
-            self.weights.add(source, source.mesh.sites[e], sum);
-            return;
+        let Some(seen) = walk.look(c) else { return };
+        let first = self.touching.len();
+        for i in parents {
+            let cone = self.touching[i];
+            match self.cones.get(cone as usize).relation(&seen.corners) {
+                Relation::Apart => {}
+                Relation::Holds => {
+                    self.touching.truncate(first);
+                    return;
+                }
+                Relation::Touches => self.touching.push(cone),
+            }
         }
-        let f = t
-            .edges
-            .iter()
-            .map(|&(edge, is_along)| {
-                let term = self.terms[edge as usize];
-                if is_along { term } else { -term }
-            })
-            .sum::<f64>()
-            / TAU;
-        if is_far {
-            *whole += f;
-        } else {
-            // At the middle of an undivided element the three basis functions are equal.
-            self.weights.add(source, t.sites, [f / 3.0; 3]);
+        let touching = first..self.touching.len();
+        let strength = walk.strength(c);
+        let strays = strength.deviation * seen.form_factor * seen.spread;
+        match walk.tree.cells[c].first_child() {
+            Some(child) if strays > walk.oracle.link => {
+                self.descend(walk, child, touching.clone(), sink);
+                self.descend(walk, child + 1, touching, sink);
+            }
+            _ => {
+                let weights = if touching.is_empty() && seen.is_above {
+                    clear(walk, &seen, &strength)
+                } else {
+                    self.partial(walk, c, &seen, &strength, touching)
+                };
+                sink(walk.f, c, weights);
+            }
         }
+        self.touching.truncate(first);
     }
 
-    /// Adds what is visible of an element in partial view.
+    /// The weights of what the given cones leave of a cell.
     fn partial(
         &mut self,
-        view: &Viewpoint,
-        source: &SolveFace,
-        e: usize,
-        is_far: bool,
-        whole: &mut f64,
-    ) {
-        let t = &source.triangles[e];
-        let corners = t.vertices.map(|v| source.positions[v as usize]);
-        let target = Target {
-            corners: &corners,
-            plane: source.plane,
-        };
-        let cones = || self.touching.iter().map(|&i| self.cones.get(i as usize));
-        let mut sum = [0.0; 3];
-        let normal = view.horizon.normal;
-        let looks = t.width_squared / self.directions[t.vertices[0] as usize].length_squared();
-        if self.touching.len() > FEW_BLOCKERS && looks < MANY_BLOCKERS_FACTOR * source.sampled_below
-        {
-            let f = sampled(
-                normal,
-                t.vertices.map(|v| self.directions[v as usize]),
-                cones,
-            );
-            if is_far {
-                *whole += f;
-            } else {
-                self.weights.add(source, t.sites, [f / 3.0; 3]);
-            }
-            return;
+        walk: &Walk,
+        c: usize,
+        seen: &Seen,
+        strength: &Strength,
+        touching: Range<usize>,
+    ) -> [f64; 3] {
+        let n = walk.view.horizon.normal;
+        let touching = &self.touching[touching];
+        let cones = || touching.iter().map(|&i| self.cones.get(i as usize));
+        let ray = SAMPLED_FACTOR * walk.oracle.ray;
+        if touching.len() > FEW_BLOCKERS && seen.form_factor * strength.largest <= ray {
+            return [sampled(n, seen.corners, cones) / 3.0; 3];
         }
-        let weigh = weights_on(source, view, e);
-        let up = source.plane.normal;
+        let mut sum = [0.0; 3];
+        let basis = Basis::new(seen.corners);
+        let target = walk.target(c);
         self.scratch
-            .visible_past(self.blockers, cones(), view, target, |piece| {
-                if is_far {
-                    *whole += form_factor_of_directions(normal, piece);
-                } else {
-                    accumulate_piece(normal, up, piece, &weigh, &mut sum);
+            .visible_past(self.blockers, cones(), walk.view, target, |piece| {
+                let f = form_factor_of_directions(n, piece);
+                if strength.range * f <= walk.oracle.link {
+                    let middle = piece.iter().sum::<DVec3>() / piece.len() as f64;
+                    for (s, w) in sum.iter_mut().zip(basis.at(middle)) {
+                        *s += f * w;
+                    }
+                    return;
+                }
+                let corners: SmallVec<[Corner; 8]> = piece
+                    .iter()
+                    .map(|&direction| Corner {
+                        direction,
+                        basis: basis.at(direction),
+                    })
+                    .collect();
+                for i in 2..corners.len() {
+                    split(n, [corners[0], corners[i - 1], corners[i]], 0, &mut sum);
                 }
             });
-        self.weights.add(source, source.mesh.sites[e], sum);
+        sum
     }
 }
 
-/// The row under construction: a dense buffer of weights and the sites it holds.
-#[derive(Default)]
-struct Weights {
-    values: Vec<f64>,
-    touched: Vec<u32>,
+/// What stays the same while the trees of one face are walked.
+struct Walk<'w> {
+    view: &'w Viewpoint,
+    oracle: &'w Oracle<'w>,
+    f: usize,
+    face: &'w SolveFace,
+    tree: &'w FaceCells,
+    /// [`Oracle::ambient`] as this face reflects it.
+    ambient: f64,
 }
 
-impl Weights {
-    fn add(&mut self, source: &SolveFace, sites: [u32; 3], weights: [f64; 3]) {
-        for (s, w) in sites.into_iter().zip(weights) {
-            if w != 0.0 {
-                let site = source.first_site + s as usize;
-                self.touched.push(site as u32);
-                self.values[site] += w;
-            }
+impl Walk<'_> {
+    fn strength(&self, c: usize) -> Strength {
+        let light = &self.oracle.light[self.f].cells[c];
+        self.oracle.strength(self.f, light, self.ambient)
+    }
+
+    fn target(&self, c: usize) -> Target<'_> {
+        Target {
+            corners: &self.tree.cells[c].corners,
+            plane: self.face.plane,
         }
     }
 
-    /// The nonzero weights in order; the buffer is empty again.
-    fn drain(&mut self) -> Vec<(u32, f64)> {
-        self.touched.sort_unstable();
-        self.touched.dedup();
-        let mut out = Vec::with_capacity(self.touched.len());
-        for s in self.touched.drain(..) {
-            out.push((s, std::mem::take(&mut self.values[s as usize])));
+    /// How cell `c` is seen; none when it lies below the horizon.
+    fn look(&self, c: usize) -> Option<Seen> {
+        let cell = &self.tree.cells[c];
+        let eye = self.view.position;
+        let corners = cell.corners.map(|p| p - eye);
+        let heights = corners.map(|d| self.view.horizon.normal.dot(d));
+        let highest = heights[0].max(heights[1]).max(heights[2]);
+        if highest <= 0.0 {
+            return None;
         }
-        out
+        let across = self.face.plane.distance(eye);
+        // From close by the cell is seen as its nearest point is, not as its middle.
+        let squared = cell.centre.distance_squared(eye);
+        let nearest = (squared.sqrt() - cell.radius).max(across);
+        let cosines = (highest / nearest).min(1.0) * (across / nearest);
+        Some(Seen {
+            corners,
+            is_above: heights.iter().all(|&h| h >= 0.0),
+            form_factor: (cell.area * cosines / (PI * nearest * nearest)).min(1.0),
+            spread: (cell.width_squared / (nearest * nearest)).min(1.0),
+        })
     }
+}
+
+/// The weights of a cell in full view.
+fn clear(walk: &Walk, seen: &Seen, strength: &Strength) -> [f64; 3] {
+    let n = walk.view.horizon.normal;
+    if strength.range * seen.form_factor * seen.spread.sqrt() <= walk.oracle.link {
+        return [form_factor_of_directions(n, &seen.corners) / 3.0; 3];
+    }
+    let mut sum = [0.0; 3];
+    split(n, cell_corners(seen.corners), 0, &mut sum);
+    sum
 }
 
 /// The form factor of a triangle of directions by the share of its sixteen equal parts whose middles no cone hides.
@@ -430,82 +424,3 @@ const SAMPLE_WEIGHTS: [[f64; 3]; 16] = {
     }
     w
 };
-
-/// The basis functions of element `e` in a direction from `view`, in the order of the mesh's own corners.
-fn weights_on(source: &SolveFace, view: &Viewpoint, e: usize) -> impl Fn(DVec3) -> [f64; 3] {
-    let (corners, frame, eye) = (source.mesh.corners(e), source.domain.frame, view.position);
-    move |d| barycentric(corners, frame.to_plane(eye + d))
-}
-
-/// Splits the form factor of a convex polygon of directions, in a plane with unit normal `up`, by the basis functions.
-fn accumulate_piece(
-    n: DVec3,
-    up: DVec3,
-    piece: &[DVec3],
-    weigh: &impl Fn(DVec3) -> [f64; 3],
-    sum: &mut [f64; 3],
-) {
-    let fan = || (2..piece.len()).map(|i| [piece[0], piece[i - 1], piece[i]]);
-    let (mut area, mut moment) = (0.0, DVec3::ZERO);
-    for [a, b, c] in fan() {
-        let twice = (b - a).cross(c - a).dot(up);
-        area += twice;
-        moment += (a + b + c) * twice;
-    }
-    let middle = if area > 0.0 {
-        moment / (3.0 * area)
-    } else {
-        piece[0]
-    };
-    let radius_squared = piece
-        .iter()
-        .map(|p| p.distance_squared(middle))
-        .fold(0.0, f64::max);
-    // The polygon is at most two radii wide.
-    let share = 0.5 * PIECE_SHARE;
-    if radius_squared > share * share * middle.length_squared() {
-        for t in fan() {
-            accumulate(n, t, 0, weigh, sum);
-        }
-        return;
-    }
-    let f = form_factor_of_directions(n, piece);
-    for (s, w) in sum.iter_mut().zip(weigh(middle)) {
-        *s += f * w;
-    }
-}
-
-/// Splits the form factor of a triangle of directions by the basis functions at its middle, dividing wide ones.
-fn accumulate(
-    n: DVec3,
-    t: [DVec3; 3],
-    depth: u32,
-    weigh: &impl Fn(DVec3) -> [f64; 3],
-    sum: &mut [f64; 3],
-) {
-    let middle = (t[0] + t[1] + t[2]) / 3.0;
-    let width = t[0]
-        .distance_squared(t[1])
-        .max(t[1].distance_squared(t[2]))
-        .max(t[2].distance_squared(t[0]));
-    if depth < MAX_DIVISIONS && width > PIECE_SHARE * PIECE_SHARE * middle.length_squared() {
-        let m = [
-            0.5 * (t[0] + t[1]),
-            0.5 * (t[1] + t[2]),
-            0.5 * (t[2] + t[0]),
-        ];
-        for part in [
-            [t[0], m[0], m[2]],
-            [m[0], t[1], m[1]],
-            [m[2], m[1], t[2]],
-            m,
-        ] {
-            accumulate(n, part, depth + 1, weigh, sum);
-        }
-        return;
-    }
-    let f = form_factor_of_directions(n, &t);
-    for (s, w) in sum.iter_mut().zip(weigh(middle)) {
-        *s += f * w;
-    }
-}

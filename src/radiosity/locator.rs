@@ -4,7 +4,7 @@ use crate::mesh::{ReceiverMesh, barycentric};
 use glam::DVec2;
 
 /// A uniform grid of buckets over the elements' boxes, about one element a bucket.
-pub(super) struct Locator {
+pub struct Locator {
     lo: DVec2,
     cell: DVec2,
     side: usize,
@@ -13,7 +13,8 @@ pub(super) struct Locator {
 }
 
 impl Locator {
-    pub(super) fn new(mesh: &ReceiverMesh) -> Self {
+    /// Sorts the elements of `mesh` into buckets.
+    pub fn new(mesh: &ReceiverMesh) -> Self {
         let n = mesh.elements.len();
         let used = || {
             mesh.elements
@@ -60,7 +61,7 @@ impl Locator {
 
     /// The element that holds `p` and the barycentric coordinates there; outside all elements the one that comes nearest,
     /// with coordinates clamped to it. None when there is no element.
-    pub(super) fn locate(&self, mesh: &ReceiverMesh, p: DVec2) -> Option<(usize, [f64; 3])> {
+    pub fn locate(&self, mesh: &ReceiverMesh, p: DVec2) -> Option<(usize, [f64; 3])> {
         let (i, j) = self.bucket(p);
         let c = j * self.side + i;
         let depth = |e: usize| {

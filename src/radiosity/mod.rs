@@ -1,25 +1,29 @@
-//! Light between faces: piecewise-linear collocation on a mesh coarser than the displayed one.
+//! Light between faces: collocation on a mesh coarser than the displayed one, linked to trees of cells.
 //!
-//! `H_i = Σ_j K_ij R_j`, `R_j = ρ_j (g_j + H_j)`: `H` is the indirect irradiance at the sites of the solve mesh, `R` the
-//! reflected radiosity, `g` the direct irradiance projected from the display mesh. `K_ij` is the exact form factor of what
-//! site `i` sees of the elements around site `j`, split by the linear basis, so that the rows of a closed scene sum to 1.
-//! `H` at a site is the mean of the gathered light around it, so that no power is lost between the sites.
+//! `H(x) = Σ_c ∫_c G V R_c dA`, `R = ρ (g + H)`: `H` is the indirect irradiance at the nodes of the solve mesh (quadratic in
+//! between), `g` the direct irradiance, `R` the reflected radiosity, linear on each cell. A node is linked to the largest
+//! cells that are good enough for it; the form factors of what it sees of them are exact, so that those of a closed scene
+//! sum to 1.
 //!
-//! Papers: Lischinski, Tampieri & Greenberg, *Combining hierarchical radiosity and discontinuity meshing* (1993), for
-//! solving coarsely and displaying finely; Atkinson & Chien (1998) for collocation of the occluded equation.
+//! Papers: Hanrahan, Salzman & Aupperle, *A rapid hierarchical radiosity algorithm* (1991), for linking at the level that the
+//! error asks for; Lischinski, Tampieri & Greenberg, *Combining hierarchical radiosity and discontinuity meshing* (1993), for
+//! solving coarsely and displaying finely; Atkinson & Chien (1998) for collocation of the occluded equation; Bekaert &
+//! Willems (1996) for the residual as an estimate of the error.
 
+mod cells;
 mod field;
 mod field_face;
 mod gather;
+mod kernel;
 mod locator;
-mod project;
+mod nodes;
 mod reach;
 mod solve;
 mod solve_mesh;
 
-pub use field::IndirectField;
-pub use gather::{Gatherer, Row};
-pub use project::{LightSample, project};
+pub use field::{IndirectField, Request};
+pub use gather::Gatherer;
+pub use locator::Locator;
 pub use reach::reached;
-pub use solve::{Bounces, Gathered, SolveReport, Transport};
-pub use solve_mesh::{MANY_SIDES, SolveFace, SolveMesh};
+pub use solve::{Bounces, SolveReport};
+pub use solve_mesh::{SolveFace, SolveMesh};

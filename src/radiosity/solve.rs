@@ -1,12 +1,16 @@
 //! The linear system and its solution by Gauss–Seidel sweeps.
+//!
+//! Unknown is the indirect irradiance at the nodes: the corners and edge midpoints of the solve mesh; between them it is
+//! quadratic. A sweep gathers it from the cells, face by face, and projects what the face then reflects, direct light and
+//! all, onto the face's own cells: no power is lost between the nodes.
 
-use super::{Gatherer, Row, SolveFace, SolveMesh};
+use super::cells::{CellLight, FaceCells, FaceLight, RADON};
+use super::gather::Oracle;
+use super::nodes::{FaceNodes, NodalField};
+use super::{Gatherer, SolveMesh};
 use crate::quantity::{Irradiance, Radiosity, Rgb};
-use crate::scene::FaceId;
 use crate::visibility::{Blockers, Viewpoint};
-use glam::DVec3;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// How often light is reflected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,299 +24,239 @@ pub enum Bounces {
 /// How the solution was reached.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct SolveReport {
-    /// Unknowns a channel.
-    pub sites: usize,
+    /// Nodes: unknowns a channel.
+    pub nodes: usize,
     /// Elements of the solve mesh.
     pub elements: usize,
-    /// Nonzero coefficients.
-    pub coefficients: usize,
-    /// Largest change of any radiosity in each sweep, relative to the largest radiosity.
+    /// Cells that send light.
+    pub cells: usize,
+    /// Links from a node to a cell.
+    pub links: usize,
+    /// Largest change of the light in each sweep, relative to the largest radiosity.
     pub residuals: Vec<f64>,
 }
 
 /// A Gauss–Seidel run that needs more sweeps than this has ρ above 0.999; Krylov methods are for that.
 const MAX_SWEEPS: usize = 20_000;
 
-/// The transport operator on a solve mesh.
-///
-/// Light is gathered at the sites and at the midpoints of the elements' edges; between these points it is quadratic. What a
-/// site reflects is the mean of that field under its own basis function (lumped projection), not its value at the site: in
-/// a corner, where the light behaves like `r^γ`, the value at the site says little about its surroundings, and the power
-/// that is missed comes back with every bounce.
-pub struct Transport {
-    rows: Vec<Row>,
-    /// For each site the rows that its mean is made of, with their weights.
-    means: Vec<Vec<(u32, f64)>>,
-    faces: Vec<FaceRows>,
+/// What one node sees: cells (numbered through all faces) and the weights of the light at their corners.
+type Row = Vec<(u32, [f64; 3])>;
+
+/// The nodes that the light of one leaf depends on.
+struct Leaf {
+    cell: u32,
+    /// Weights of the indirect irradiance at the nodes for the light at the three corners, before reflection.
+    nodes: Vec<(u32, [f64; 3])>,
 }
 
-/// The rows of one face.
-struct FaceRows {
-    /// Its rows among all rows.
-    rows: Range<usize>,
-    /// Its sites among all sites.
-    sites: Range<usize>,
-    /// For each site, its own row.
-    site_rows: Vec<u32>,
-    /// For each element the rows of its edges' midpoints; none when the whole face has one row.
-    middles: Option<Vec<[u32; 3]>>,
-    /// For each site its share of the area.
-    shares: Vec<f64>,
+/// The links of a solve mesh.
+pub(super) struct Transport {
+    /// The cells that it links.
+    trees: Vec<FaceCells>,
+    nodes: Vec<FaceNodes>,
+    rows: Vec<Row>,
+    /// By face.
+    leaves: Vec<Vec<Leaf>>,
+    /// Number of the first cell of each face.
+    first_cell: Vec<u32>,
 }
 
 impl Transport {
-    /// Computes every row, in parallel.
-    pub fn new(mesh: &SolveMesh, blockers: &Blockers) -> Self {
-        let mut views = Vec::with_capacity(mesh.site_count());
-        let mut means = Vec::with_capacity(mesh.site_count());
-        let faces: Vec<FaceRows> = mesh
+    /// Links every node with the cells it takes light from, in parallel.
+    pub(super) fn new(
+        mesh: &SolveMesh,
+        trees: &[FaceCells],
+        blockers: &Blockers,
+        oracle: &Oracle,
+    ) -> Self {
+        let mut views: Vec<Viewpoint> = Vec::new();
+        let nodes: Vec<FaceNodes> = mesh
             .faces
             .iter()
-            .map(|face| FaceRows::new(face, blockers.weld_distance(), &mut views, &mut means))
+            .map(|face| FaceNodes::new(face, blockers.weld_distance(), &mut views))
             .collect();
-        let mut sampled: Vec<Option<FaceId>> = vec![None; views.len()];
-        for (rows, face) in faces.iter().map(|f: &FaceRows| &f.rows).zip(&mesh.faces) {
-            if face.is_small && face.sampled_below > 0.0 {
-                sampled[rows.start] = Some(face.domain.face);
-            }
+        let mut first_cell = Vec::with_capacity(trees.len());
+        let mut count = 0;
+        for tree in trees {
+            first_cell.push(count);
+            count += tree.cells.len() as u32;
         }
         let rows = views
             .par_iter()
-            .zip(&sampled)
             .map_init(
-                || Gatherer::new(mesh, blockers),
-                |gatherer, (view, sampled)| match *sampled {
-                    Some(own) => gatherer.sampled_row(view, own),
-                    None => gatherer.row(view),
+                || Gatherer::new(mesh, trees, blockers),
+                |gatherer, view| {
+                    let mut row = Row::new();
+                    gatherer.visit(view, oracle, &mut |f, c, w| {
+                        row.push((first_cell[f] + c as u32, w));
+                    });
+                    row
                 },
             )
             .collect();
-        Self { rows, means, faces }
+        let leaves = mesh
+            .faces
+            .par_iter()
+            .zip(trees)
+            .zip(&nodes)
+            .map(|((face, tree), nodes)| {
+                tree.leaves()
+                    .map(|c| Leaf {
+                        cell: c as u32,
+                        nodes: leaf_nodes(face, tree, nodes, c),
+                    })
+                    .collect()
+            })
+            .collect();
+        Self {
+            trees: trees.to_vec(),
+            nodes,
+            rows,
+            leaves,
+            first_cell,
+        }
     }
 
-    /// Number of nonzero coefficients.
-    pub fn coefficients(&self) -> usize {
-        self.rows
-            .iter()
-            .map(|r| r.sites.len() + r.faces.len())
-            .sum()
-    }
-
-    /// Sum of the weights of the row at `site`.
-    pub fn row_sum(&self, site: usize) -> f64 {
-        let face = self.faces.partition_point(|f| f.sites.end <= site);
-        let face = &self.faces[face];
-        self.rows[face.site_rows[site - face.sites.start] as usize].sum()
-    }
-
-    /// Number of rows.
-    pub fn row_count(&self) -> usize {
+    /// Number of nodes.
+    pub(super) fn node_count(&self) -> usize {
         self.rows.len()
     }
 
-    /// Area-weighted mean of a nodal field over each face.
-    pub fn face_means(&self, radiosity: &[Radiosity]) -> Vec<Radiosity> {
-        self.faces.iter().map(|face| face.mean(radiosity)).collect()
-    }
-
-    /// Solves for the reflected radiosity at all sites, given the direct irradiance there.
+    /// Solves for the indirect irradiance at the nodes, given in `light` what the cells send without it.
     ///
     /// Sweeps go face by face and end when the error that is left, extrapolated from the last two changes, is below
-    /// `tolerance` (relative to the largest radiosity).
-    pub fn solve(
+    /// `tolerance` (relative to the largest radiosity). `light` then holds what the cells send in the end; the cells may
+    /// have got children since they were linked, which are left alone.
+    pub(super) fn solve(
         &self,
         mesh: &SolveMesh,
-        direct: &[Irradiance],
+        light: &mut [FaceLight],
         bounces: Bounces,
         tolerance: f64,
-    ) -> (Vec<Radiosity>, SolveReport) {
-        let reflectance = mesh.reflectances();
-        let reflect = |i: usize, h: Irradiance| Radiosity(reflectance[i] * (direct[i] + h).0);
-        let mut radiosity: Vec<Radiosity> = (0..direct.len())
-            .map(|i| reflect(i, Irradiance::ZERO))
-            .collect();
+    ) -> (Vec<Irradiance>, SolveReport) {
+        let direct: Vec<Vec<CellLight>> = light.iter().map(|l| l.cells.clone()).collect();
+        let mut values = vec![Irradiance::ZERO; self.rows.len()];
         let mut report = SolveReport {
-            sites: mesh.site_count(),
+            nodes: self.rows.len(),
             elements: mesh.element_count(),
-            coefficients: self.coefficients(),
+            cells: self.trees.iter().map(|t| t.cells.len()).sum(),
+            links: self.rows.iter().map(Vec::len).sum(),
             residuals: Vec::new(),
         };
         let sweeps = match bounces {
-            // The final gather adds one bounce to those in the radiosity.
+            // The final gather adds one bounce to those in the light of the cells.
             Bounces::Count(n) => n.saturating_sub(1) as usize,
             Bounces::All => MAX_SWEEPS,
         };
-        let mut gathered = vec![Irradiance::ZERO; self.rows.len()];
         for _ in 0..sweeps {
-            let mut face_means = self.face_means(&radiosity);
-            // Gauss–Seidel reads what this sweep has already updated; counted bounces must not.
-            let before = (bounces != Bounces::All).then(|| radiosity.clone());
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-            for (f, face) in self.faces.iter().enumerate() {
-                let source = before.as_deref().unwrap_or(&radiosity);
-                for r in face.rows.clone() {
-                    gathered[r] = apply(&self.rows[r], source, &face_means);
-                }
-                for i in face.sites.clone() {
-                    let new = reflect(i, self.mean_at(i, &gathered));
-                    change = change.max((new - radiosity[i]).0.0.abs().max_element());
-                    largest = largest.max(new.0.0.max_element());
-                    radiosity[i] = new;
-                }
+            if bounces != Bounces::All {
+                // Gauss–Seidel reads what this sweep has already updated; counted bounces must not.
+                values = self.gather_all(light);
+            }
+            for f in 0..self.nodes.len() {
+                let reflectance = mesh.faces[f].reflectance;
                 if bounces == Bounces::All {
-                    face_means[f] = face.mean(&radiosity);
+                    for i in self.nodes[f].range.clone() {
+                        let new = self.gather(i, light);
+                        let step = reflectance * (new - values[i]).0;
+                        change = change.max(step.0.abs().max_element());
+                        values[i] = new;
+                    }
                 }
+                self.reflect(f, reflectance, &direct[f], &values, light);
+                largest = largest.max(light[f].largest);
             }
             let relative = if largest > 0.0 { change / largest } else { 0.0 };
             let previous = report.residuals.last().copied();
-            report.residuals.push(relative);
-            if bounces == Bounces::All && is_settled(relative, previous, tolerance) {
-                break;
-            }
-        }
-        (radiosity, report)
-    }
-
-    /// Mean of the gathered light under the basis function of `site`.
-    fn mean_at(&self, site: usize, gathered: &[Irradiance]) -> Irradiance {
-        let mut sum = Irradiance::ZERO;
-        for &(r, w) in &self.means[site] {
-            sum += gathered[r as usize] * w;
-        }
-        // A mean over a quadratic that bends sharply may dip below zero.
-        Irradiance(Rgb(sum.0.0.max(DVec3::ZERO)))
-    }
-
-    /// Indirect irradiance at every site and midpoint from the radiosity.
-    pub fn gather_all(&self, radiosity: &[Radiosity]) -> Gathered<'_> {
-        let face_means = self.face_means(radiosity);
-        Gathered {
-            transport: self,
-            values: self
-                .rows
-                .iter()
-                .map(|r| apply(r, radiosity, &face_means))
-                .collect(),
-        }
-    }
-}
-
-/// Indirect irradiance at all points of the solve mesh.
-pub struct Gathered<'t> {
-    transport: &'t Transport,
-    values: Vec<Irradiance>,
-}
-
-impl Gathered<'_> {
-    /// At local site `s` of solve face `f`.
-    pub fn at_site(&self, f: usize, s: usize) -> Irradiance {
-        self.values[self.transport.faces[f].site_rows[s] as usize]
-    }
-
-    /// At the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one row.
-    pub fn at_middles(&self, f: usize, e: usize) -> Option<[Irradiance; 3]> {
-        let middles = self.transport.faces[f].middles.as_ref()?;
-        Some(middles[e].map(|r| self.values[r as usize]))
-    }
-}
-
-/// Means of a quadratic over a triangle under the basis function of one corner, as weights of its values at that corner, at
-/// each other corner, at each adjacent edge midpoint and at the opposite one: `∫ φ N_k / ∫ φ`.
-const CORNER: f64 = 1.0 / 10.0;
-const OTHER_CORNER: f64 = -1.0 / 20.0;
-const NEAR_MIDDLE: f64 = 2.0 / 5.0;
-const FAR_MIDDLE: f64 = 1.0 / 5.0;
-
-impl FaceRows {
-    /// Appends the viewpoints of the rows of `face`, and for each of its sites the rows that its mean is made of.
-    fn new(
-        face: &SolveFace,
-        weld_distance: f64,
-        views: &mut Vec<Viewpoint>,
-        means: &mut Vec<Vec<(u32, f64)>>,
-    ) -> Self {
-        let mesh = &face.mesh;
-        let n = mesh.site_vertices.len();
-        let first = views.len();
-        let mut areas = vec![0.0; n];
-        for (e, sites) in mesh.sites.iter().enumerate() {
-            for &s in sites {
-                areas[s as usize] += mesh.area(e) / 3.0;
-            }
-        }
-        let total: f64 = areas.iter().sum();
-        let shares = areas.iter().map(|a| a / total).collect();
-        let sites = face.first_site..face.first_site + n;
-        if let Some(middle) = face.is_small.then(|| face.middle()).flatten() {
-            views.push(face.view(middle));
-            means.extend((0..n).map(|_| vec![(first as u32, 1.0)]));
-            return Self {
-                rows: first..first + 1,
-                sites,
-                site_rows: vec![first as u32; n],
-                middles: None,
-                shares,
-            };
-        }
-        views.extend((0..n).map(|s| face.site_view(s)));
-        let mut middles = vec![[0; 3]; mesh.elements.len()];
-        for e in 0..mesh.elements.len() {
-            for k in 0..3 {
-                // An edge between two elements has one midpoint; on a contact line each side has its own.
-                let other = mesh.neighbours[e][k].filter(|_| !mesh.is_barrier(e, k));
-                match other {
-                    Some(o) if (o as usize) < e => {
-                        let back = (0..3)
-                            .find(|&j| mesh.neighbours[o as usize][j] == Some(e as u32))
-                            .expect("neighbours are mutual");
-                        middles[e][k] = middles[o as usize][back];
-                    }
-                    _ => {
-                        middles[e][k] = views.len() as u32;
-                        let p = mesh.corners(e);
-                        let mut middle = p[k].midpoint(p[(k + 1) % 3]);
-                        if mesh.is_barrier(e, k) {
-                            middle = mesh.inset(e, middle, weld_distance);
-                        }
-                        views.push(face.view(middle));
-                    }
+            if bounces == Bounces::All {
+                report.residuals.push(relative);
+                if is_settled(relative, previous, tolerance) {
+                    break;
                 }
             }
         }
-        let mut of_site: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
-        for (e, sites) in mesh.sites.iter().enumerate() {
-            for k in 0..3 {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                let s = sites[k] as usize;
-                let share = mesh.area(e) / (3.0 * areas[s]);
-                let row = |c: usize| first as u32 + sites[c];
-                of_site[s].extend([
-                    (row(k), CORNER * share),
-                    (row(i), OTHER_CORNER * share),
-                    (row(j), OTHER_CORNER * share),
-                    (middles[e][k], NEAR_MIDDLE * share),
-                    (middles[e][j], NEAR_MIDDLE * share),
-                    (middles[e][i], FAR_MIDDLE * share),
-                ]);
-            }
-        }
-        means.extend(of_site);
-        Self {
-            rows: first..views.len(),
-            sites,
-            site_rows: (0..n).map(|s| (first + s) as u32).collect(),
-            middles: Some(middles),
-            shares,
+        (self.gather_all(light), report)
+    }
+
+    /// The values at the nodes as a field over the faces of `mesh`.
+    pub(super) fn field<'t>(&'t self, values: &'t [Irradiance]) -> NodalField<'t> {
+        NodalField {
+            nodes: &self.nodes,
+            values,
         }
     }
 
-    fn mean(&self, radiosity: &[Radiosity]) -> Radiosity {
-        let mut sum = Radiosity::ZERO;
-        for (site, &w) in self.sites.clone().zip(&self.shares) {
-            sum += radiosity[site] * w;
+    /// What the cells of face `f` send when `values` arrives at the nodes.
+    fn reflect(
+        &self,
+        f: usize,
+        reflectance: Rgb,
+        direct: &[CellLight],
+        values: &[Irradiance],
+        light: &mut [FaceLight],
+    ) {
+        for leaf in &self.leaves[f] {
+            let mut corners = direct[leaf.cell as usize].corners;
+            for &(node, weights) in &leaf.nodes {
+                let arriving = reflectance * values[node as usize].0;
+                for (corner, w) in corners.iter_mut().zip(weights) {
+                    *corner += Radiosity(arriving * w);
+                }
+            }
+            light[f].cells[leaf.cell as usize] = CellLight::linear(corners);
         }
-        sum
+        light[f].pull(&self.trees[f]);
     }
+
+    fn gather(&self, node: usize, light: &[FaceLight]) -> Irradiance {
+        let mut sum = Rgb::BLACK;
+        let mut f = 0;
+        for &(cell, weights) in &self.rows[node] {
+            while f + 1 < self.first_cell.len() && self.first_cell[f + 1] <= cell {
+                f += 1;
+            }
+            let corners = &light[f].cells[(cell - self.first_cell[f]) as usize].corners;
+            for (b, w) in corners.iter().zip(weights) {
+                sum += b.0 * w;
+            }
+        }
+        Irradiance(sum)
+    }
+
+    /// Indirect irradiance at all nodes from what the cells send.
+    pub(super) fn gather_all(&self, light: &[FaceLight]) -> Vec<Irradiance> {
+        (0..self.rows.len())
+            .into_par_iter()
+            .map(|i| self.gather(i, light))
+            .collect()
+    }
+}
+
+/// The nodes that the light of leaf `c` depends on: what the quadratic field gives at the nodes of Radon's rule, projected
+/// to the linear basis of the leaf.
+fn leaf_nodes(
+    face: &super::SolveFace,
+    tree: &FaceCells,
+    nodes: &FaceNodes,
+    c: usize,
+) -> Vec<(u32, [f64; 3])> {
+    let cell = &tree.cells[c];
+    let mut found: Vec<(u32, [f64; 3])> = Vec::new();
+    for (w, weight) in RADON {
+        // The corner values are 12 m − 3 Σ m of the moments m.
+        let shares = w.map(|x| weight * (12.0 * x - 3.0));
+        for (node, amount) in nodes.weights(face, cell.at(w)) {
+            if amount == 0.0 {
+                continue;
+            }
+            match found.iter_mut().find(|x| x.0 == node) {
+                Some((_, sum)) => (0..3).for_each(|k| sum[k] += amount * shares[k]),
+                None => found.push((node, shares.map(|s| s * amount))),
+            }
+        }
+    }
+    found
 }
 
 /// Changes shrink geometrically by some q: what is left after the last is change · q / (1 − q).
@@ -325,16 +269,4 @@ fn is_settled(change: f64, previous: Option<f64>, tolerance: f64) -> bool {
         }
         _ => false,
     }
-}
-
-/// `Σ weight · R` over one row.
-pub(super) fn apply(row: &Row, radiosity: &[Radiosity], means: &[Radiosity]) -> Irradiance {
-    let mut h = Irradiance::ZERO;
-    for &(s, w) in &row.sites {
-        h += Irradiance(radiosity[s as usize].0 * w);
-    }
-    for &(f, w) in &row.faces {
-        h += Irradiance(means[f as usize].0 * w);
-    }
-    h
 }

@@ -37,9 +37,6 @@ impl Viewpoint {
     }
 }
 
-/// Sides of a cone that [`Cone::outside`] has bits for.
-const MASK_SIDES: usize = u64::BITS as usize;
-
 /// Rounding error of `(b × a) · d` for directions of unit length: two roundings in each component of the cross product,
 /// three in the dot product.
 const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
@@ -84,27 +81,15 @@ struct Pieces {
     inside: Vec<Corner>,
 }
 
-/// Directions from a viewpoint, metres, one array for each coordinate: what is done to all of them is done two at a time.
-#[derive(Default)]
-pub struct Directions {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-    length: Vec<f64>,
-}
-
-impl Directions {
-    /// Holds `directions` and nothing else.
-    pub fn set(&mut self, directions: &[DVec3]) {
-        self.x.clear();
-        self.y.clear();
-        self.z.clear();
-        self.length.clear();
-        self.x.extend(directions.iter().map(|d| d.x));
-        self.y.extend(directions.iter().map(|d| d.y));
-        self.z.extend(directions.iter().map(|d| d.z));
-        self.length.extend(directions.iter().map(|d| d.length()));
-    }
+/// How a cone lies to a convex polygon of directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// They share nothing but borders.
+    Apart,
+    /// The cone holds all of the polygon.
+    Holds,
+    /// Neither can be said.
+    Touches,
 }
 
 /// The cones of several blockers from one viewpoint, the widest first.
@@ -143,6 +128,16 @@ impl Cones {
         self.rims.clear();
         self.sides.clear();
         self.items.clear();
+    }
+
+    /// Number of cones.
+    pub fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    /// True when there is none.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
     }
 
     /// Cone number `i`.
@@ -215,27 +210,31 @@ impl ConeSide {
 }
 
 impl Cone<'_> {
-    /// Appends for each of `directions` one bit for each side of the cone that it lies on or beyond; 0 inside the cone.
-    /// Sides past the [`MASK_SIDES`]th are left out, so that 0 then only says "perhaps inside".
-    pub fn outside(&self, directions: &Directions, out: &mut Vec<u64>) {
-        let first = out.len();
-        out.resize(first + directions.x.len(), 0);
-        for (i, side) in self.sides.iter().take(MASK_SIDES).enumerate() {
-            let bit = 1 << i;
-            let n = side.normal;
-            let xyz = directions.x.iter().zip(&directions.y).zip(&directions.z);
-            for ((mask, ((x, y), z)), length) in
-                out[first..].iter_mut().zip(xyz).zip(&directions.length)
-            {
-                let is_outside = n.x * x + n.y * y + n.z * z <= side.slack * length;
-                *mask |= if is_outside { bit } else { 0 };
+    /// How the cone lies to the triangle `t` (directions, counter-clockwise).
+    pub fn relation(&self, t: &[DVec3; 3]) -> Relation {
+        let lengths = t.map(DVec3::length);
+        let mut holds = true;
+        for side in self.sides {
+            let outside = (0..3)
+                .filter(|&k| side.normal.dot(t[k]) <= side.slack * lengths[k])
+                .count();
+            if outside == 3 {
+                return Relation::Apart;
             }
+            holds &= outside == 0;
+        }
+        if holds {
+            Relation::Holds
+        } else if self.is_beyond_edge_of(t) {
+            Relation::Apart
+        } else {
+            Relation::Touches
         }
     }
 
     /// True when a plane through the viewpoint and an edge of the triangle `t` (directions, counter-clockwise) has the
     /// triangle on one side and the cone on the other.
-    pub fn is_beyond_edge_of(&self, t: &[DVec3; 3]) -> bool {
+    fn is_beyond_edge_of(&self, t: &[DVec3; 3]) -> bool {
         [[0, 1, 2], [1, 2, 0], [2, 0, 1]].iter().any(|&[a, b, c]| {
             let m = t[b].cross(t[a]);
             // The plane of an edge as short as round-off points anywhere and parts nothing.
@@ -247,11 +246,6 @@ impl Cone<'_> {
     /// True when the cone hides `direction`.
     pub fn hides(&self, direction: DVec3) -> bool {
         self.sides.iter().all(|s| s.normal.dot(direction) > 0.0)
-    }
-
-    /// Whether [`Cone::outside`] tells inside from outside for certain.
-    pub fn is_simple(&self) -> bool {
-        self.sides.len() <= MASK_SIDES
     }
 }
 

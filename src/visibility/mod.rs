@@ -8,6 +8,6 @@ mod region;
 
 pub use blockers::{Blockers, Part};
 pub use box_tree::BoxTree;
-pub use cone::{Cone, Cones, Directions, Scratch, Target, Viewpoint};
+pub use cone::{Cone, Cones, Relation, Scratch, Target, Viewpoint};
 pub use ray::{Hit, RayCaster};
 pub use region::Region;

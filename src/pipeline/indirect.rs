@@ -1,0 +1,163 @@
+//! The indirect part of the recipe: a guess of how much of it there is, and the solution.
+
+use crate::adapt::Receiver;
+use crate::direct::DirectLight;
+use crate::discontinuity::LineMap;
+use crate::mesh::{FaceDomain, MeshError};
+use crate::quantity::Irradiance;
+use crate::radiosity::{Bounces, IndirectField, Locator, Request, SolveMesh};
+use crate::scene::{FaceId, FaceSide, Scene};
+use crate::settings::Settings;
+use crate::visibility::{Blockers, Scratch};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Elements of the mesh that guesses how much light is indirect, so that the error asked for means something in W/m².
+const GUESS_ELEMENTS: f64 = 100.0;
+
+/// The guess's own error, relative to the mean direct light.
+const GUESS_ERROR: f64 = 0.05;
+
+/// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more. The field between its nodes is
+/// quadratic, and refined and corrected where that is not enough.
+const SOLVE_ELEMENTS: f64 = 150.0;
+
+/// Their number grows as error to minus this power.
+const SOLVE_EXPONENT: f64 = 0.4;
+
+/// Area of an equilateral triangle of side 1: elements of a staggered lattice.
+const LATTICE_TRIANGLE: f64 = 0.433;
+
+/// Share of the permitted error left to the iteration.
+const SOLVE_SHARE: f64 = 0.01;
+
+/// What stays the same for all solve meshes of a scene.
+pub(super) struct Rooms<'r> {
+    pub(super) scene: &'r Scene,
+    pub(super) blockers: &'r Blockers,
+    pub(super) lines: &'r LineMap,
+    pub(super) sides: &'r [(FaceId, FaceSide)],
+    pub(super) is_lit: &'r [bool],
+}
+
+impl Rooms<'_> {
+    /// The solve mesh of all lit sides for an error (relative).
+    pub(super) fn solve_mesh(&self, error: f64) -> Result<SolveMesh, MeshError> {
+        self.mesh(SOLVE_ELEMENTS * (0.01 / error).powf(SOLVE_EXPONENT))
+    }
+
+    fn mesh(&self, elements: f64) -> Result<SolveMesh, MeshError> {
+        let scene = self.scene;
+        let lit = || {
+            let both = self.sides.iter().zip(self.is_lit);
+            both.filter(|s| *s.1).map(|s| *s.0)
+        };
+        let area: f64 = lit().map(|(f, _)| scene.faces[f].area).sum();
+        let spacing = (area / (LATTICE_TRIANGLE * elements)).sqrt();
+        let domains = lit()
+            .map(|(face, side)| {
+                let l = self.lines.of(face, side);
+                let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
+                (domain, scene.material_of(face).reflectance)
+            })
+            .collect();
+        SolveMesh::new(domains, spacing)
+    }
+
+    /// Mean indirect irradiance over the lit sides, roughly, W/m².
+    pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<f64, MeshError> {
+        let mesh = self.mesh(GUESS_ELEMENTS)?;
+        let at_sites: Vec<Vec<Irradiance>> = mesh
+            .faces
+            .par_iter()
+            .map_init(Scratch::default, |scratch, face| {
+                (0..face.mesh.site_vertices.len())
+                    .map(|s| direct.irradiance(&face.site_view(s), scratch))
+                    .collect()
+            })
+            .collect();
+        let mean = mean_of_sites(&mesh, &at_sites);
+        let reflectance = mesh.mean_reflectance();
+        let request = Request {
+            error: GUESS_ERROR * mean,
+            ambient: mean * reflectance / (1.0 - reflectance),
+            bounces,
+            tolerance: GUESS_ERROR,
+        };
+        let locators: Vec<Locator> = mesh.faces.iter().map(|f| Locator::new(&f.mesh)).collect();
+        let meshes: Vec<_> = mesh.faces.iter().map(|f| f.mesh.clone()).collect();
+        let (field, _) =
+            IndirectField::solve(mesh, self.blockers, request, |f, p| {
+                match locators[f].locate(&meshes[f], p) {
+                    Some((e, weights)) => mix(meshes[f].sites[e], weights, &at_sites[f]),
+                    None => Irradiance::ZERO,
+                }
+            });
+        Ok(field.mean())
+    }
+}
+
+/// Area-weighted mean of values at the sites, mean of the channels.
+fn mean_of_sites(mesh: &SolveMesh, values: &[Vec<Irradiance>]) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (face, values) in mesh.faces.iter().zip(values) {
+        for (e, sites) in face.mesh.sites.iter().enumerate() {
+            let a = face.mesh.area(e);
+            area += a;
+            sum += mix(*sites, [1.0 / 3.0; 3], values).mean() * a;
+        }
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
+fn mix(sites: [u32; 3], weights: [f64; 3], values: &[Irradiance]) -> Irradiance {
+    let mut sum = Irradiance::ZERO;
+    for (s, w) in sites.into_iter().zip(weights) {
+        sum += values[s as usize] * w;
+    }
+    sum
+}
+
+/// What is asked of the solution when the mean irradiance is `mean`, of which `indirect` by way of other faces, W/m².
+pub(super) fn request(settings: &Settings, mean: f64, indirect: f64) -> Request {
+    Request {
+        error: settings.error * mean,
+        ambient: indirect,
+        bounces: settings.bounces,
+        tolerance: settings.error * SOLVE_SHARE,
+    }
+}
+
+/// The direct light that the display meshes hold, at points of the solve mesh's faces.
+pub(super) struct Shown<'r> {
+    /// For each solve face its receiver.
+    faces: Vec<Option<(&'r Receiver, Locator)>>,
+}
+
+impl<'r> Shown<'r> {
+    pub(super) fn new(receivers: &'r [Receiver], solve_faces: usize) -> Self {
+        let mut of_face: Vec<Option<&Receiver>> = vec![None; solve_faces];
+        for r in receivers {
+            if let Some(f) = r.solve_face {
+                of_face[f] = Some(r);
+            }
+        }
+        Self {
+            faces: of_face
+                .into_par_iter()
+                .map(|r| r.map(|r| (r, Locator::new(&r.mesh))))
+                .collect(),
+        }
+    }
+
+    /// Direct irradiance at frame coordinates `p` of solve face `f`, W/m².
+    pub(super) fn direct(&self, f: usize, p: DVec2) -> Irradiance {
+        let Some((r, locator)) = &self.faces[f] else {
+            return Irradiance::ZERO;
+        };
+        match locator.locate(&r.mesh, p) {
+            Some((e, weights)) => mix(r.mesh.sites[e], weights, &r.direct),
+            None => Irradiance::ZERO,
+        }
+    }
+}

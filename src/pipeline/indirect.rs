@@ -18,6 +18,9 @@ const GUESS_ELEMENTS: f64 = 100.0;
 /// The guess's own error, relative to the mean direct light.
 const GUESS_ERROR: f64 = 0.05;
 
+/// Rays from each of its nodes: the mean over all of them is then right to a few per cent.
+const GUESS_RAYS: u32 = 64;
+
 /// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more. The field between its nodes is
 /// quadratic, and refined and corrected where that is not enough.
 const SOLVE_ELEMENTS: f64 = 150.0;
@@ -83,6 +86,7 @@ impl Rooms<'_> {
             ambient: mean * reflectance / (1.0 - reflectance),
             bounces,
             tolerance: GUESS_ERROR,
+            rays: Some(GUESS_RAYS),
         };
         let locators: Vec<Locator> = mesh.faces.iter().map(|f| Locator::new(&f.mesh)).collect();
         let meshes: Vec<_> = mesh.faces.iter().map(|f| f.mesh.clone()).collect();
@@ -125,6 +129,7 @@ pub(super) fn request(settings: &Settings, mean: f64, indirect: f64) -> Request 
         ambient: indirect,
         bounces: settings.bounces,
         tolerance: settings.error * SOLVE_SHARE,
+        rays: None,
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::Solution;
 use crate::quantity::Irradiance;
+use crate::radiosity::Gatherer;
 use crate::visibility::Scratch;
 use rayon::prelude::*;
 
 /// The measured error over the lit surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Measured {
-    /// Points.
+    /// Points; indirect light is gathered at every fourth of them.
     pub samples: u32,
     /// RMS error of irradiance, W/m² (root of the mean square over points and channels).
     pub rms: f64,
@@ -24,6 +25,9 @@ pub struct Measured {
     /// Relative RMS error of the indirect field against gathering.
     pub relative_rms_field: f64,
 }
+
+/// Indirect light is gathered at one of so many points: it is far dearer than direct light, and its field far smoother.
+const GATHER_STRIDE: usize = 4;
 
 /// A permuted congruential generator (O'Neill 2014, XSH RR 64/32): the same points for the same seed on every machine.
 struct Pcg(u64);
@@ -95,56 +99,87 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
     if samples.is_empty() {
         return Measured::default();
     }
-    // Shown − exact, shown − (direct + field), field − gathered, and exact.
-    let found: Vec<[Irradiance; 4]> = samples
+    let tools = || Tools {
+        scratch: Scratch::default(),
+        gatherer: solution.indirect.as_ref().map(|f| f.gatherer()),
+    };
+    let found: Vec<Found> = samples
         .par_iter()
-        .map_init(
-            || {
-                (
-                    Scratch::default(),
-                    solution.indirect.as_ref().map(|f| f.gatherer()),
-                )
-            },
-            |(scratch, gatherer), s| {
-                let r = &solution.receivers[s.receiver];
-                let p = r.mesh.corners(s.element);
-                let w = s.weights;
-                let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
-                let direct = solution.direct.irradiance(&view, scratch);
-                let (indirect, field) = match (&solution.indirect, gatherer, r.solve_face) {
-                    (Some(field), Some(g), Some(f)) => {
-                        let p = r.domain.frame.to_plane(view.position);
-                        (field.gather(g, &view), field.at(f, p))
-                    }
-                    _ => (Irradiance::ZERO, Irradiance::ZERO),
-                };
-                let shown = r.shown(s.element, w);
-                let exact = direct + indirect;
-                [
-                    shown - exact,
-                    shown - (direct + field),
-                    field - indirect,
-                    exact,
-                ]
-            },
-        )
+        .enumerate()
+        .map_init(tools, |tools, (i, s)| {
+            look(solution, s, i % GATHER_STRIDE == 0, tools)
+        })
         .collect();
-    let count = found.len() as f64;
-    // Summed in order, so that the figure does not depend on the number of threads.
-    let mean = found.iter().map(|f| f[3].mean()).sum::<f64>() / count;
-    let rms = |k: usize| (found.iter().map(|f| f[k].0.mean_square()).sum::<f64>() / count).sqrt();
+    // Summed in order, so that the figures do not depend on the number of threads.
+    let average = |values: &mut dyn Iterator<Item = f64>| {
+        let (mut sum, mut count) = (0.0, 0.0_f64);
+        for v in values {
+            sum += v;
+            count += 1.0;
+        }
+        sum / count.max(1.0)
+    };
+    let mean = average(&mut found.iter().map(|f| f.known.mean()));
+    let mesh = average(&mut found.iter().map(|f| f.off_known.0.mean_square()));
+    let gathered = || {
+        found
+            .iter()
+            .filter_map(|f| Some((f.off_known, f.field_off?)))
+    };
+    let field = average(&mut gathered().map(|(_, g)| g.0.mean_square()));
+    // (a + b)² = a² + (2ab + b²): the first at all points, the rest where it is known.
+    let cross = average(&mut gathered().map(|(m, g)| (m + g).0.mean_square() - m.0.mean_square()));
     let largest = found
         .iter()
-        .map(|f| f[0].0.0.abs().max_element())
+        .map(|f| f.off_known + f.field_off.unwrap_or_default())
+        .map(|off| off.0.0.abs().max_element())
         .fold(0.0, f64::max);
     let relative = |x: f64| if mean > 0.0 { x / mean } else { 0.0 };
+    let rms = (mesh + cross).max(0.0).sqrt();
     Measured {
         samples: found.len() as u32,
-        rms: rms(0),
-        relative_rms: relative(rms(0)),
+        rms,
+        relative_rms: relative(rms),
         relative_max: relative(largest),
         mean,
-        relative_rms_mesh: relative(rms(1)),
-        relative_rms_field: relative(rms(2)),
+        relative_rms_mesh: relative(mesh.sqrt()),
+        relative_rms_field: relative(field.sqrt()),
+    }
+}
+
+/// The buffers of one thread.
+struct Tools<'a> {
+    scratch: Scratch,
+    gatherer: Option<Gatherer<'a>>,
+}
+
+/// What was found at one point.
+struct Found {
+    /// Exact direct light and the indirect field.
+    known: Irradiance,
+    /// What the mesh shows less that.
+    off_known: Irradiance,
+    /// The indirect field less what is gathered, where it was gathered.
+    field_off: Option<Irradiance>,
+}
+
+fn look(solution: &Solution, s: &Sample, with_gather: bool, tools: &mut Tools) -> Found {
+    let r = &solution.receivers[s.receiver];
+    let p = r.mesh.corners(s.element);
+    let w = s.weights;
+    let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
+    let mut known = solution.direct.irradiance(&view, &mut tools.scratch);
+    let mut field_off = None;
+    if let (Some(field), Some(gatherer), Some(f)) =
+        (&solution.indirect, &mut tools.gatherer, r.solve_face)
+    {
+        let indirect = field.at(f, r.domain.frame.to_plane(view.position));
+        known += indirect;
+        field_off = with_gather.then(|| indirect - field.gather(gatherer, &view));
+    }
+    Found {
+        known,
+        off_known: r.shown(s.element, w) - known,
+        field_off,
     }
 }

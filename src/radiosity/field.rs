@@ -30,11 +30,14 @@ const MAX_ROUNDS: usize = 24;
 const LINK_SHARE: f64 = 0.2;
 const RAY_SHARE: f64 = 0.1;
 
+/// A correction is small: its gathers may be so much less accurate.
+const CORRECTION_ACCURACY: f64 = 4.0;
+
 /// What a gather that others are judged by is asked for beyond that.
 const REFERENCE_SHARE: f64 = 0.25;
 
 /// A face whose share of the residual sends less than this share of the permitted error is not looked at.
-const SKIP_SHARE: f64 = 0.01;
+const SKIP_SHARE: f64 = 0.05;
 
 /// Cells follow the light until it departs from linear by less than this many times the permitted error: it is weighed by
 /// the cell's form factor before anyone sees it.
@@ -47,6 +50,13 @@ const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 /// much: all that is known before it is solved for.
 const AMBIENT_SHARE: f64 = 0.15;
 
+/// With so many sides what a small face receives is found by rays: what it reflects matters little, and the mistakes are
+/// spread over so many of them that they cancel. Fewer are always linked exactly.
+const MANY_SIDES: usize = 256;
+
+/// Rays from such a face: evenly spread, they are right to about a per cent.
+const SMALL_FACE_RAYS: u32 = 512;
+
 /// What is asked of the indirect light.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
@@ -58,6 +68,8 @@ pub struct Request {
     pub bounces: Bounces,
     /// Permitted error of the iteration, relative to the largest radiosity.
     pub tolerance: f64,
+    /// Nothing but so many rays from each node: for a guess.
+    pub rays: Option<u32>,
 }
 
 /// Indirect irradiance over all lit sides.
@@ -143,7 +155,11 @@ impl<'a> IndirectField<'a> {
             ray: RAY_SHARE * error,
             skip: 0.0,
         };
-        let transport = Transport::new(&mesh, &trees, blockers, &oracle);
+        let is_crowded = mesh.faces.len() > MANY_SIDES;
+        let transport = Transport::new(&mesh, &trees, blockers, &oracle, |face| {
+            let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
+            request.rays.or(small)
+        });
         let (values, report) =
             transport.solve(&mesh, &mut light, request.bounces, request.tolerance);
         let gathered = transport.field(&values);
@@ -259,6 +275,7 @@ impl<'a> IndirectField<'a> {
             });
         let solution = &self.solution;
         let skip = SKIP_SHARE * solution.error;
+        let accuracy = CORRECTION_ACCURACY * solution.error;
         let squares: Vec<f64> = self
             .faces
             .par_iter_mut()
@@ -267,10 +284,15 @@ impl<'a> IndirectField<'a> {
             .map_init(
                 || solution.gatherer(),
                 |gatherer, (f, (field, face))| {
-                    field.add(face, solution.blockers.weld_distance(), |view, p| {
-                        solution.gather(gatherer, view, &residual, solution.error, skip)
-                            + further.at(face, f, p)
-                    })
+                    field.add(
+                        face,
+                        solution.blockers.weld_distance(),
+                        |p| all.at(face, f, p),
+                        |view, p| {
+                            solution.gather(gatherer, view, &residual, accuracy, skip)
+                                + further.at(face, f, p)
+                        },
+                    )
                 },
             )
             .collect();

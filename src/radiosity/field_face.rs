@@ -195,16 +195,17 @@ impl FieldFace {
         }
     }
 
-    /// Adds `more(viewpoint, frame coordinates)` to every value; returns the integral of its square over the face.
+    /// Adds `more(viewpoint, frame coordinates)` to every value, and `coarse(frame coordinates)` where the whole face has one
+    /// value; returns the integral of its square over the face.
     pub(super) fn add(
         &mut self,
         face: &SolveFace,
         weld_distance: f64,
+        coarse: impl Fn(DVec2) -> Irradiance,
         mut more: impl FnMut(&Viewpoint, DVec2) -> Irradiance,
     ) -> f64 {
         if self.is_uniform {
-            let view = Viewpoint::new(face.middle_point, face.domain.normal);
-            let all = more(&view, face.domain.frame.to_plane(face.middle_point));
+            let all = coarse(face.domain.frame.to_plane(face.middle_point));
             self.values.iter_mut().for_each(|v| *v += all);
             return self.area() * all.0.mean_square();
         }

@@ -7,8 +7,10 @@
 
 use super::cells::{CellLight, FaceCells, FaceLight};
 use super::kernel::{Basis, Corner, cell_corners, split};
+use super::reach::direction;
 use super::{SolveFace, SolveMesh};
 use crate::direct::form_factor_of_directions;
+use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Cone, Cones, Relation, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -16,14 +18,17 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 /// A face is judged by rays alone when so many of them are enough.
-const FEW_RAYS: f64 = 8.0;
+const FEW_RAYS: f64 = 32.0;
 
 /// Up to so many blockers a cell in partial view is cut exactly, however faint it is.
 const FEW_BLOCKERS: usize = 2;
 
-/// Behind more blockers a cell that sends this many times more light than one ray may be wrong about is judged at sixteen
-/// points: their share of the cell's light is that of a few rays.
-const SAMPLED_FACTOR: f64 = 4.0;
+/// A cell behind more blockers than this is looked at child by child.
+const MANY_BLOCKERS: usize = 4;
+
+/// Behind more than few blockers a cell that sends up to this many times the light of one ray is judged at sixteen
+/// points: their mistakes are a quarter of one ray's.
+const SAMPLED_FACTOR: f64 = 16.0;
 
 /// Only seen from farther than this many times its radius a face may be judged by one ray to its middle: its form factor
 /// is then that of a point to a few per cent.
@@ -135,6 +140,50 @@ impl<'a> Gatherer<'a> {
         }
     }
 
+    /// As [`Gatherer::visit`] by so many rays alone, every face that they meet taken as a whole: right to a few per cent.
+    pub(super) fn visit_by_rays(
+        &mut self,
+        view: &Viewpoint,
+        own: FaceId,
+        rays: u32,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        let mut seen: Vec<usize> = (0..rays)
+            .filter_map(|i| {
+                let hit = self.blockers.rays().nearest_where(
+                    view.position,
+                    direction(view.horizon.normal, i),
+                    0.0,
+                    f64::INFINITY,
+                    |h| self.blockers.ray_owner(h.triangle) != own,
+                )?;
+                let side = if hit.is_front {
+                    FaceSide::Front
+                } else {
+                    FaceSide::Back
+                };
+                let key = (self.blockers.ray_owner(hit.triangle), side);
+                self.mesh
+                    .faces
+                    .binary_search_by_key(&key, |f| (f.domain.face, f.domain.side))
+                    .ok()
+            })
+            .collect();
+        seen.sort_unstable();
+        for hits in seen.chunk_by(|a, b| a == b) {
+            let share = hits.len() as f64 / f64::from(rays) / 3.0;
+            self.whole(hits[0], share / self.mesh.faces[hits[0]].area, sink);
+        }
+    }
+
+    /// A face taken as a whole: `weight` at each corner for each square metre.
+    fn whole(&self, f: usize, weight: f64, sink: &mut impl FnMut(usize, usize, [f64; 3])) {
+        let tree = &self.trees[f];
+        for (root, cell) in tree.cells.iter().take(tree.roots as usize).enumerate() {
+            sink(f, root, [cell.area * weight; 3]);
+        }
+    }
+
     /// Sum of all weights at `view`, every cell cut exactly: the share of the hemisphere filled by reflecting surfaces
     /// (0…1).
     pub fn row_sum(&mut self, view: &Viewpoint) -> f64 {
@@ -164,10 +213,7 @@ impl<'a> Gatherer<'a> {
                     .blockers
                     .sees(walk.view, walk.face.middle_point, walk.face.domain.face)
             {
-                let share = f / walk.face.area / 3.0;
-                for root in 0..walk.tree.roots as usize {
-                    sink(walk.f, root, [walk.tree.cells[root].area * share; 3]);
-                }
+                self.whole(walk.f, f / walk.face.area / 3.0, sink);
             }
             return;
         }
@@ -255,8 +301,11 @@ impl<'a> Gatherer<'a> {
         let touching = first..self.touching.len();
         let strength = walk.strength(c);
         let strays = strength.deviation * seen.form_factor * seen.spread;
+        // Behind many blockers the children, each behind fewer, are cut for less.
+        let is_cluttered = touching.len() > MANY_BLOCKERS
+            && seen.form_factor * strength.largest > SAMPLED_FACTOR * walk.oracle.ray;
         match walk.tree.cells[c].first_child() {
-            Some(child) if strays > walk.oracle.link => {
+            Some(child) if strays > walk.oracle.link || is_cluttered => {
                 self.descend(walk, child, touching.clone(), sink);
                 self.descend(walk, child + 1, touching, sink);
             }

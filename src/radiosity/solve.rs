@@ -7,7 +7,7 @@
 use super::cells::{CellLight, FaceCells, FaceLight, RADON};
 use super::gather::Oracle;
 use super::nodes::{FaceNodes, NodalField};
-use super::{Gatherer, SolveMesh};
+use super::{Gatherer, SolveFace, SolveMesh};
 use crate::quantity::{Irradiance, Radiosity, Rgb};
 use crate::visibility::{Blockers, Viewpoint};
 use rayon::prelude::*;
@@ -62,12 +62,14 @@ pub(super) struct Transport {
 }
 
 impl Transport {
-    /// Links every node with the cells it takes light from, in parallel.
+    /// Links every node with the cells it takes light from, in parallel; the nodes of faces for which `rays` gives a number
+    /// by so many rays.
     pub(super) fn new(
         mesh: &SolveMesh,
         trees: &[FaceCells],
         blockers: &Blockers,
         oracle: &Oracle,
+        rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
     ) -> Self {
         let mut views: Vec<Viewpoint> = Vec::new();
         let nodes: Vec<FaceNodes> = mesh
@@ -81,15 +83,24 @@ impl Transport {
             first_cell.push(count);
             count += tree.cells.len() as u32;
         }
+        let owner: Vec<&SolveFace> = mesh
+            .faces
+            .iter()
+            .zip(&nodes)
+            .flat_map(|(face, nodes)| nodes.range.clone().map(move |_| face))
+            .collect();
         let rows = views
             .par_iter()
+            .zip(&owner)
             .map_init(
                 || Gatherer::new(mesh, trees, blockers),
-                |gatherer, view| {
+                |gatherer, (view, face)| {
                     let mut row = Row::new();
-                    gatherer.visit(view, oracle, &mut |f, c, w| {
-                        row.push((first_cell[f] + c as u32, w));
-                    });
+                    let mut sink = |f: usize, c: usize, w| row.push((first_cell[f] + c as u32, w));
+                    match rays(face) {
+                        Some(n) => gatherer.visit_by_rays(view, face.domain.face, n, &mut sink),
+                        None => gatherer.visit(view, oracle, &mut sink),
+                    }
                     row
                 },
             )
@@ -236,7 +247,7 @@ impl Transport {
 /// The nodes that the light of leaf `c` depends on: what the quadratic field gives at the nodes of Radon's rule, projected
 /// to the linear basis of the leaf.
 fn leaf_nodes(
-    face: &super::SolveFace,
+    face: &SolveFace,
     tree: &FaceCells,
     nodes: &FaceNodes,
     c: usize,

@@ -62,6 +62,7 @@ impl<'a> FineField<'a> {
             ambient: coarse.mean(),
             bounces: Bounces::All,
             tolerance: 1e-7,
+            rays: None,
         };
         let blockers = &solution.world.blockers;
         let (mut field, _) = IndirectField::solve(mesh, blockers, request, direct);

@@ -26,7 +26,7 @@ const UNMARKED_SHARE: f64 = 0.5;
 const MAX_ROUNDS: usize = 24;
 
 /// Shares of the permitted error that one link may miss by what is not linear about a cell, and one ray by what stands
-/// between. The mistakes of many add like random steps.
+/// between (where rays are used at all). The mistakes of many add like random steps.
 const LINK_SHARE: f64 = 0.2;
 const RAY_SHARE: f64 = 0.1;
 
@@ -50,8 +50,9 @@ const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 /// much: all that is known before it is solved for.
 const AMBIENT_SHARE: f64 = 0.15;
 
-/// With so many sides what a small face receives is found by rays: what it reflects matters little, and the mistakes are
-/// spread over so many of them that they cancel. Fewer are always linked exactly.
+/// With more sides than this cutting everything exactly costs more than the rest of the bake, and the mistakes of rays are
+/// spread over so many of them that they cancel: faint bits are judged by rays, and so is what a small face receives. Fewer
+/// are always cut exactly.
 const MANY_SIDES: usize = 256;
 
 /// Rays from such a face: evenly spread, they are right to about a per cent.
@@ -95,6 +96,14 @@ struct Coarse<'a> {
     error: f64,
 }
 
+fn is_crowded(mesh: &SolveMesh) -> bool {
+    mesh.faces.len() > MANY_SIDES
+}
+
+fn ray_share(mesh: &SolveMesh) -> f64 {
+    if is_crowded(mesh) { RAY_SHARE } else { 0.0 }
+}
+
 impl Coarse<'_> {
     fn gatherer(&self) -> Gatherer<'_> {
         Gatherer::new(&self.mesh, &self.trees, self.blockers)
@@ -113,7 +122,7 @@ impl Coarse<'_> {
             light,
             ambient: 0.0,
             link: LINK_SHARE * accuracy,
-            ray: RAY_SHARE * accuracy,
+            ray: ray_share(&self.mesh) * accuracy,
             skip,
         };
         let mut sum = Irradiance::ZERO;
@@ -152,10 +161,10 @@ impl<'a> IndirectField<'a> {
             light: &light,
             ambient: AMBIENT_SHARE * request.ambient,
             link: LINK_SHARE * error,
-            ray: RAY_SHARE * error,
+            ray: ray_share(&mesh) * error,
             skip: 0.0,
         };
-        let is_crowded = mesh.faces.len() > MANY_SIDES;
+        let is_crowded = is_crowded(&mesh);
         let transport = Transport::new(&mesh, &trees, blockers, &oracle, |face| {
             let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
             request.rays.or(small)

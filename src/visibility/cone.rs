@@ -243,9 +243,13 @@ impl Cone<'_> {
         })
     }
 
-    /// True when the cone hides `direction`.
+    /// True when the cone hides `direction`, its border included: no direction slips through between two blockers that
+    /// share an edge.
     pub fn hides(&self, direction: DVec3) -> bool {
-        self.sides.iter().all(|s| s.normal.dot(direction) > 0.0)
+        let length = direction.length();
+        self.sides
+            .iter()
+            .all(|s| s.normal.dot(direction) >= -s.slack * length)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Every knob, its unit and its default.
 
+use crate::adapt::Meshing;
 use crate::radiosity::Bounces;
 use crate::scene::CleanSettings;
 
@@ -10,6 +11,8 @@ pub struct Settings {
     pub error: f64,
     /// How often light is reflected.
     pub bounces: Bounces,
+    /// What display meshes follow.
+    pub meshing: Meshing,
     /// Tolerances of the clean-up.
     pub clean: CleanSettings,
     /// How `COLOR_0` is scaled.
@@ -25,6 +28,7 @@ impl Default for Settings {
         Self {
             error: 0.01,
             bounces: Bounces::All,
+            meshing: Meshing::default(),
             clean: CleanSettings::default(),
             exposure: Exposure::Auto,
             seed: 1,

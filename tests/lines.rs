@@ -8,7 +8,9 @@ use crate::common::scenes::fixture_names;
 use crate::common::tables::rows;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{Discontinuity, DiscontinuityOrder, EventKind, FaceLines, find_lines};
+use umbrage::discontinuity::{
+    Cause, Discontinuity, DiscontinuityOrder, EventKind, FaceLines, find_lines, penumbra_width,
+};
 use umbrage::pipeline::World;
 use umbrage::scene::{FaceId, FaceSide};
 
@@ -231,5 +233,29 @@ fn no_line_gets_through_what_a_box_stands_on_or_into_the_box() {
             "{side:?} of {face:?}: {:#?}",
             lines.candidates
         );
+    }
+}
+
+#[test]
+fn penumbrae_are_as_wide_as_the_lamp_looks_from_the_blocker() {
+    // A lamp of side 1 with a blocker halfway down: the shadow moves as far as its generator does over the lamp, across
+    // the shadow's edge. That is 1 for edges of the lamp, and cos t + sin t for blocker edges turned by t against it.
+    for (name, turn) in [("square-over-square", 0.0_f64), ("rotated-blocker", 0.3)] {
+        let world = world_of(name);
+        let [front, _] = lines_on(&world, "floor");
+        let mut count = 0;
+        for line in &front.candidates {
+            let expected = match line.cause {
+                Cause::VertexEdge(..) => turn.cos() + turn.sin(),
+                _ => 1.0,
+            };
+            let widths = penumbra_width(&world.scene, line).expect("an edge or a vertex made it");
+            for width in widths {
+                // The fixture's coordinates are rounded to 1/65536.
+                assert!((width - expected).abs() < 1e-3, "{name}: {width}, {line:?}");
+                count += 1;
+            }
+        }
+        assert!(count >= 16, "{name}: {count}");
     }
 }

@@ -79,6 +79,7 @@ pub(super) fn settings(args: &SceneArgs, exposure: Exposure) -> Result<Settings,
         exposure,
         seed: args.seed,
         samples: args.samples,
+        ..Settings::default()
     })
 }
 

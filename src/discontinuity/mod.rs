@@ -19,6 +19,9 @@ mod merge;
 mod span;
 mod trace;
 mod wedge;
+mod width;
+
+pub use width::penumbra_width;
 
 use crate::direct::DirectLight;
 use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, Scene, VertexId};

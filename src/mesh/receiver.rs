@@ -91,6 +91,54 @@ impl ReceiverMesh {
         }
     }
 
+    /// Replaces the diagonal of the quadrilateral of elements `e` and `f`, their edges `k` and `m`, by the other one.
+    ///
+    /// ```text
+    ///        c                    c
+    ///      ╱ e ╲                ╱ │ ╲
+    ///    a ───── b     →      a e │ f b
+    ///      ╲ f ╱                ╲ │ ╱
+    ///        d                    d
+    /// ```
+    ///
+    /// The quadrilateral must be strictly convex and its diagonal without label.
+    pub(crate) fn flip(&mut self, e: usize, k: usize, f: usize, m: usize) {
+        let (k1, k2, m1, m2) = ((k + 1) % 3, (k + 2) % 3, (m + 1) % 3, (m + 2) % 3);
+        let corners = |of: &[[u32; 3]]| {
+            let [a, b, c, d] = [of[e][k], of[e][k1], of[e][k2], of[f][m2]];
+            [[a, d, c], [d, b, c]]
+        };
+        let (elements, sites) = (corners(&self.elements), corners(&self.sites));
+        // Across a → d, c → a and d → b, b → c; the new diagonal has no label.
+        let around = |of: &[[Option<u32>; 3]], both: [Option<u32>; 2]| {
+            let [ad, ca, db, bc] = [of[f][m1], of[e][k2], of[f][m2], of[e][k1]];
+            [[ad, both[1], ca], [db, bc, both[0]]]
+        };
+        let neighbours = around(&self.neighbours, [Some(e as u32), Some(f as u32)]);
+        let edges = around(&self.edges, [None, None]);
+        for (outer, from, to) in [(neighbours[0][0], f, e), (neighbours[1][1], e, f)] {
+            if let Some(n) = outer {
+                for back in &mut self.neighbours[n as usize] {
+                    if *back == Some(from as u32) {
+                        *back = Some(to as u32);
+                    }
+                }
+            }
+        }
+        for (t, i) in [(e, 0), (f, 1)] {
+            // The smallest corner first, as everywhere.
+            let first = (0..3)
+                .min_by_key(|&c| elements[i][c])
+                .expect("three corners");
+            let turn = |of: [u32; 3]| [0, 1, 2].map(|c| of[(c + first) % 3]);
+            let turned = |of: [Option<u32>; 3]| [0, 1, 2].map(|c| of[(c + first) % 3]);
+            self.elements[t] = turn(elements[i]);
+            self.sites[t] = turn(sites[i]);
+            self.neighbours[t] = turned(neighbours[i]);
+            self.edges[t] = turned(edges[i]);
+        }
+    }
+
     /// Puts each site at its vertex, or inside the widest element of its sector when its vertex lies on a barrier.
     pub(super) fn place_sites(&mut self, weld_distance: f64) {
         let mut on_barrier = vec![false; self.vertices.len()];

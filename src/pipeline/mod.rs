@@ -1,6 +1,7 @@
 //! The recipe: a scene in, lit meshes out, one step a line.
 
 mod conform;
+mod convergence;
 mod exposure;
 mod indirect;
 mod lines;
@@ -9,16 +10,19 @@ mod mesh_edges;
 mod probe;
 mod summary;
 
+pub use convergence::{
+    ConvergenceRow, convergence, convergence_csv, convergence_slope, meshing_name,
+};
 pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
 pub use mesh_edges::{EdgeRole, MeshEdge, mesh_edges};
 pub use probe::{NoReading, OffMesh, Reading, Sensor, probe_exact, probe_mesh};
 pub use summary::{LeftOut, Stage, Summary};
 
-use crate::adapt::{self, Illumination, Receiver};
+use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
-use crate::discontinuity::{Discontinuity, LineMap, find_lines};
+use crate::discontinuity::{Discontinuity, FaceLines, LineMap, find_lines};
 use crate::lit_scene::LitScene;
 use crate::mesh::MeshError;
 use crate::radiosity::{Bounces, IndirectField, reached};
@@ -41,9 +45,10 @@ pub enum LightError {
     Mesh(#[from] MeshError),
 }
 
-/// Display elements start at this share of the scene's diagonal: fine enough that no bright spot falls between all points
-/// of a large face; shadows announce themselves by their lines.
-const START_SPACING: f64 = 1.0 / 12.0;
+/// Display elements start at this share of the scene's diagonal. The light is looked at twice as densely, at the middles of
+/// edges, and at centres: so that no bright spot falls between all points of a large face. Shadows announce themselves by
+/// their lines.
+const START_SPACING: f64 = 0.15;
 
 /// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
 const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
@@ -55,6 +60,9 @@ const BESIDE_SHARE: f64 = 0.01;
 /// squares, and the rest is left to the solution.
 const DISPLAY_SHARE: f64 = 0.8;
 const FIELD_SHARE: f64 = 0.45;
+
+/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
+const DIRECT_SHARE: f64 = 0.9;
 
 /// A part that exceeded its share is asked for so much more than its excess.
 const MISSED_MARGIN: f64 = 0.9;
@@ -151,7 +159,10 @@ pub fn light<'a>(
             .iter()
             .any(|&(f, _)| !scene.material_of(f).reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
-    let spacing = START_SPACING * scene.diagonal;
+    let mut mesher = Mesher {
+        meshing: settings.meshing,
+        spacing: START_SPACING * scene.diagonal,
+    };
     let rooms = Rooms {
         scene,
         blockers: &world.blockers,
@@ -172,18 +183,26 @@ pub fn light<'a>(
         .zip(&is_lit)
         .filter(|&(&(_, side), &lit)| lit || side == FaceSide::Front)
         .map(|(&(face, side), &lit)| {
-            let lines = lines.take(face, side);
-            let mut r = Receiver::new(scene, face, side, lines, spacing);
+            let lines = match settings.meshing {
+                Meshing::Discontinuity => lines.take(face, side),
+                Meshing::Adaptive | Meshing::Uniform => FaceLines::default(),
+            };
+            let mut r = Receiver::new(scene, face, side, lines, mesher.spacing);
             r.is_lit = lit;
             r
         })
         .collect();
-    let target = settings.error * DISPLAY_SHARE;
+    let display_share = if with_bounces {
+        DISPLAY_SHARE
+    } else {
+        DIRECT_SHARE
+    };
+    let target = settings.error * display_share;
     let before = Illumination {
         direct: &direct,
         indirect: None,
     };
-    summary.adapt = adapt::refine(&mut receivers, &before, target, mean_indirect, |f| {
+    summary.adapt = mesher.refine(&mut receivers, &before, target, mean_indirect, |f| {
         clock.tick(f)
     })?;
 
@@ -216,7 +235,9 @@ pub fn light<'a>(
         settings: settings.clone(),
     };
     let mean = mean_of(&solution.receivers) + mean_indirect;
-    let (mut display, mut gathered) = (DISPLAY_SHARE, FIELD_SHARE);
+    let (mut display, mut gathered) = (display_share, FIELD_SHARE);
+    // Alone the mesh may use it all: what the estimate missed has been measured then.
+    let allowed = if with_bounces { DISPLAY_SHARE } else { 1.0 };
     for round in 0..MAX_ROUNDS {
         if let Some(field) = &mut solution.indirect {
             clock.start("gather", &mut summary);
@@ -242,7 +263,7 @@ pub fn light<'a>(
             indirect: solution.indirect.as_ref(),
         };
         let target = settings.error * display;
-        let report = adapt::refine(&mut solution.receivers, &light, target, 0.0, |f| {
+        let report = mesher.refine(&mut solution.receivers, &light, target, 0.0, |f| {
             clock.tick(f)
         })?;
         summary.adapt.add(&report);
@@ -261,13 +282,45 @@ pub fn light<'a>(
                 share
             }
         };
-        display = ask_more(display, measured.relative_rms_mesh, DISPLAY_SHARE);
+        display = ask_more(display, measured.relative_rms_mesh, allowed);
         gathered = ask_more(gathered, measured.relative_rms_field, FIELD_SHARE);
     }
     clock.finish(&mut summary);
     summary.fill(&solution, &is_lit, &sides);
     solution.summary = summary;
     Ok(solution)
+}
+
+/// Makes display meshes of one kind.
+struct Mesher {
+    meshing: Meshing,
+    /// Of the starting points, or of the last uniform lattice, metres.
+    spacing: f64,
+}
+
+impl Mesher {
+    fn refine(
+        &mut self,
+        receivers: &mut [Receiver],
+        light: &Illumination,
+        error: f64,
+        mean_besides: f64,
+        progress: impl FnMut(f64),
+    ) -> Result<AdaptReport, MeshError> {
+        match self.meshing {
+            Meshing::Discontinuity | Meshing::Adaptive => {
+                adapt::refine(receivers, light, error, mean_besides, progress)
+            }
+            Meshing::Uniform => adapt::refine_uniformly(
+                receivers,
+                light,
+                error,
+                mean_besides,
+                &mut self.spacing,
+                progress,
+            ),
+        }
+    }
 }
 
 /// Every side that reflects or is seen, sorted.

@@ -1,0 +1,289 @@
+//! The light where the refinement asks for it, each point once.
+
+use super::misfit::Misfit;
+use super::{Illumination, Receiver};
+use crate::mesh::{GridPoint, ReceiverMesh, barycentric};
+use crate::quantity::Irradiance;
+use crate::visibility::Scratch;
+use glam::DVec2;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// Share of the element for which the worst value on a crossing line speaks: a feature that the fixed points miss.
+const LINE_WEIGHT: f64 = 0.25;
+
+/// So many of the strongest lines that cross an element are looked at for that.
+const LINES_MEASURED: usize = 2;
+
+/// A point that several elements ask about, on the doubled grid: a vertex or the middle of an edge; or, with the ends of an
+/// edge on a border of the values, the point beside its middle, to its left.
+type Key = [i64; 4];
+
+/// No coordinate is as large: the key of a point and not of an edge.
+const NO_EDGE: i64 = i64::MAX;
+
+/// The key of the middle between two vertices, which may be the same.
+fn point(a: GridPoint, b: GridPoint) -> Key {
+    [a.x + b.x, a.y + b.y, NO_EDGE, NO_EDGE]
+}
+
+/// Mixes the coordinates of keys. They are ours, so nobody chooses them to collide.
+#[derive(Default)]
+struct Mixer(u64);
+
+/// 2⁶⁴ over the golden ratio, odd: its multiples spread over all bits.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        for &b in bytes {
+            self.write_u64(u64::from(b));
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(GOLDEN);
+    }
+
+    fn write_i64(&mut self, word: i64) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+}
+
+type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
+
+/// Light at one point.
+struct Known {
+    light: [Irradiance; 2],
+    /// How often the indirect light had changed before.
+    changes: usize,
+}
+
+/// What is known of the light.
+#[derive(Default)]
+pub(super) struct Samples {
+    points: Map<Key, Known>,
+    changes: usize,
+    /// Errors of elements that a later mesh may hold again.
+    elements: Map<[GridPoint; 3], ElementError>,
+    /// Exact evaluations of direct light so far.
+    pub(super) evaluations: usize,
+    scratch: Scratch,
+}
+
+impl Samples {
+    /// Forgets what depends on the indirect light.
+    pub(super) fn forget_indirect(&mut self) {
+        self.changes += 1;
+        self.elements.clear();
+    }
+}
+
+/// How far one element is off.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ElementError {
+    /// Of the interpolated direct light.
+    pub(super) direct: Misfit,
+    /// Of the interpolated indirect light.
+    pub(super) indirect: Misfit,
+    /// The worst on a line that crosses it, squared, (W/m²)².
+    line: f64,
+    /// Estimated integral of the squared error over the element after the fit, (W/m²)² m².
+    pub(super) square: f64,
+}
+
+impl ElementError {
+    /// Estimates the squared error with values `added` to the light at the corners.
+    pub(super) fn estimate(&mut self, area: f64, added: [Irradiance; 3]) {
+        let misfit = self.direct + self.indirect;
+        self.square = area * misfit.mean_square(added).max(LINE_WEIGHT * self.line);
+    }
+
+    /// Mean square of the misfit at the middle of each edge, (W/m²)².
+    pub(super) fn edges(&self) -> [f64; 3] {
+        (self.direct + self.indirect)
+            .edges
+            .map(|m| m.0.mean_square())
+    }
+}
+
+impl Receiver {
+    /// Exact direct irradiance at a point of the plane.
+    pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
+        self.samples.evaluations += 1;
+        let view = self.view(p);
+        light.direct.irradiance(&view, &mut self.samples.scratch)
+    }
+
+    /// Indirect irradiance at a point of the plane.
+    pub(super) fn indirect_at(&self, light: &Illumination, p: DVec2) -> Irradiance {
+        match (light.indirect, self.solve_face) {
+            (Some(field), Some(f)) => field.at(f, p),
+            _ => Irradiance::ZERO,
+        }
+    }
+
+    fn remembered(&mut self, light: &Illumination, key: Key, p: DVec2) -> [Irradiance; 2] {
+        let changes = self.samples.changes;
+        let direct = match self.samples.points.get(&key) {
+            Some(known) if known.changes == changes => return known.light,
+            Some(known) => known.light[0],
+            None => self.exact_direct(light, p),
+        };
+        let light = [direct, self.indirect_at(light, p)];
+        self.samples.points.insert(key, Known { light, changes });
+        light
+    }
+
+    /// Direct and indirect light at every site of `mesh`, W/m².
+    pub(super) fn light_at_sites(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+    ) -> [Vec<Irradiance>; 2] {
+        let mut both = [Vec::new(), Vec::new()];
+        for (s, &p) in mesh.site_points.iter().enumerate() {
+            let [direct, indirect] = if mesh.is_limit[s] {
+                [self.exact_direct(light, p), self.indirect_at(light, p)]
+            } else {
+                let g = mesh.vertices[mesh.site_vertices[s] as usize];
+                self.remembered(light, point(g, g), p)
+            };
+            both[0].push(direct);
+            both[1].push(indirect);
+        }
+        both
+    }
+
+    /// Light at the middle of edge `k` of element `e`, direct and indirect, W/m².
+    fn at_middle(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        e: usize,
+        k: usize,
+    ) -> [Irradiance; 2] {
+        let j = (k + 1) % 3;
+        let p = mesh.corners(e);
+        let [a, b] = [k, j].map(|c| mesh.vertices[mesh.elements[e][c] as usize]);
+        let middle = p[k].midpoint(p[j]);
+        if mesh.is_barrier(e, k) {
+            let inside = mesh.inset(e, middle, self.weld_distance);
+            self.remembered(light, [a.x, a.y, b.x, b.y], inside)
+        } else {
+            self.remembered(light, point(a, b), middle)
+        }
+    }
+
+    /// Exact light at corner `k` of element `e`.
+    fn at_corner(&self, mesh: &ReceiverMesh, e: usize, k: usize) -> Irradiance {
+        let s = mesh.sites[e][k] as usize;
+        self.exact[0][s] + self.exact[1][s]
+    }
+
+    /// Misfit of linear interpolation at the middle of edge `k` of element `e`, W/m².
+    pub(super) fn edge_misfit(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        e: usize,
+        k: usize,
+    ) -> Irradiance {
+        let [direct, indirect] = self.at_middle(light, mesh, e, k);
+        let ends = self.at_corner(mesh, e, k) + self.at_corner(mesh, e, (k + 1) % 3);
+        direct + indirect - ends * 0.5
+    }
+
+    /// The same at the middle of a chord between two corners, each given by its element and number.
+    pub(super) fn chord_misfit(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        ends: [(usize, usize); 2],
+    ) -> Irradiance {
+        let [a, b] = ends.map(|(e, k)| mesh.vertices[mesh.elements[e][k] as usize]);
+        let [p, q] = ends.map(|(e, k)| mesh.corners(e)[k]);
+        let key = point(a, b);
+        let [direct, indirect] = self.remembered(light, key, p.midpoint(q));
+        let [u, v] = ends.map(|(e, k)| self.at_corner(mesh, e, k));
+        direct + indirect - (u + v) * 0.5
+    }
+
+    /// Linear interpolation over element `e` of the exact light at its corners, direct and indirect.
+    fn interpolate(&self, mesh: &ReceiverMesh, e: usize, weights: [f64; 3]) -> [Irradiance; 2] {
+        [0, 1].map(|i| {
+            let [a, b, c] = mesh.sites[e].map(|s| self.exact[i][s as usize]);
+            a * weights[0] + b * weights[1] + c * weights[2]
+        })
+    }
+
+    /// Errors of the elements of `mesh`, from earlier or new; `target` as for [`Receiver::measure`].
+    pub(super) fn measure_all(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        target: f64,
+    ) -> Vec<ElementError> {
+        let mut known = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
+        let errors = (0..mesh.elements.len())
+            .map(|e| {
+                let key = mesh.elements[e].map(|v| mesh.vertices[v as usize]);
+                let error = match self.samples.elements.get(&key) {
+                    Some(&error) => error,
+                    None => self.measure(light, mesh, e, target),
+                };
+                known.insert(key, error);
+                error
+            })
+            .collect();
+        self.samples.elements = known;
+        errors
+    }
+
+    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at.
+    fn measure(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        e: usize,
+        target: f64,
+    ) -> ElementError {
+        let (mut direct, mut indirect) = ([Irradiance::ZERO; 3], [Irradiance::ZERO; 3]);
+        for k in 0..3 {
+            let exact = self.at_middle(light, mesh, e, k);
+            let mut weights = [0.5; 3];
+            weights[(k + 2) % 3] = 0.0;
+            let between = self.interpolate(mesh, e, weights);
+            direct[k] = exact[0] - between[0];
+            indirect[k] = exact[1] - between[1];
+        }
+        let middle = mesh.centre(e);
+        let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
+        let centre = [
+            self.exact_direct(light, middle) - between[0],
+            self.indirect_at(light, middle) - between[1],
+        ];
+        let p = mesh.corners(e);
+        let mut line = 0.0_f64;
+        for (_, stretch) in self.open_lines_in(p, target, LINES_MEASURED) {
+            let q = stretch.middle();
+            let exact = self.exact_direct(light, q) + self.indirect_at(light, q);
+            let [d, r] = self.interpolate(mesh, e, barycentric(p, q));
+            line = line.max((exact - d - r).0.mean_square());
+        }
+        ElementError {
+            direct: Misfit::new(direct, centre[0]),
+            indirect: Misfit::new(indirect, centre[1]),
+            line,
+            square: 0.0,
+        }
+    }
+}

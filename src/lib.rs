@@ -15,7 +15,7 @@
 //! | [`discontinuity`] | emitters and edges | the lines where that irradiance or its derivatives break | Heckbert 1992; Lischinski, Tampieri & Greenberg 1992; Drettakis & Fiume 1994 |
 //! | [`mesh`] | lines on a face | triangles that cross no line | Hobby 1999; Halperin & Packer 2002 |
 //! | [`radiosity`] | a coarse mesh | the light by way of other faces | Lischinski, Tampieri & Greenberg 1993; Atkinson & Chien 1998 |
-//! | [`adapt`] | an error | the display mesh: which lines and elements it takes | Dörfler 1996 |
+//! | [`adapt`] | an error | the display mesh: which lines and elements it takes, and values that fit the light | Dörfler 1996; Dyn, Levin & Rippa 1990; Kavan, Bargteil & Sloan 2011 |
 //! | [`pipeline`] | all of these | a [`Solution`](pipeline::Solution), measured against the exact light | |
 //! | [`io`], [`render`] | a solution | a lit glTF, a picture of it | |
 //!

@@ -181,9 +181,11 @@ fn direct_only() -> Settings {
 }
 
 fn slope(rows: &[ConvergenceRow], scene: &str, meshing: Meshing) -> f64 {
+    // A mesh that was cut off at the most elements that there may be is as good as it happens to be.
+    let is_cut_off = |r: &ConvergenceRow| meshing == Meshing::Uniform && r.elements >= 250_000;
     let of = rows
         .iter()
-        .filter(|r| r.scene == scene && r.meshing == meshing);
+        .filter(|r| r.scene == scene && r.meshing == meshing && !is_cut_off(r));
     convergence_slope(of).expect("several errors")
 }
 
@@ -207,7 +209,7 @@ fn along_lines_the_error_falls_as_the_elements_grow() {
 const ERRORS: [f64; 7] = [0.08, 0.04, 0.02, 0.01, 0.005, 0.002, 0.001];
 
 #[test]
-#[ignore = "bakes for a minute and writes error_against_elements.csv into the build directory"]
+#[ignore = "bakes for minutes and writes error_against_elements.csv into the build directory"]
 fn error_against_elements() {
     let kinds = [Meshing::Discontinuity, Meshing::Adaptive, Meshing::Uniform];
     let mut rows = Vec::new();
@@ -224,6 +226,12 @@ fn error_against_elements() {
     for (name, _) in SCENES {
         let found = slope(&rows, name, Meshing::Discontinuity);
         assert!(found <= -0.95, "{name}: {found:.2}");
+    }
+    // Uniform meshes lose most where the light itself jumps: the root of the spacing, a quarter of the elements' power. Where
+    // only its curvature jumps they need more elements, but not a lower power.
+    for name in ["blocker-touching-floor", "box-on-table"] {
+        let found = slope(&rows, name, Meshing::Uniform);
+        assert!(found >= -0.55, "{name}: {found:.2}");
     }
 }
 

@@ -22,7 +22,7 @@ const KINK_SHARE: f64 = 1.0;
 const SHARP_SHARE: f64 = 0.5;
 
 /// So many of the strongest lines that cross an element are tried; others have their turn in its parts.
-const LINES_TRIED: usize = 4;
+const LINES_TRIED: usize = 2;
 
 /// What is known of a candidate before any light is evaluated.
 #[derive(Clone, Copy, Debug)]

@@ -13,7 +13,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 const LINE_WEIGHT: f64 = 0.25;
 
 /// So many of the strongest lines that cross an element are looked at for that.
-const LINES_MEASURED: usize = 2;
+const LINES_MEASURED: usize = 1;
 
 /// A point that several elements ask about, on the doubled grid: a vertex or the middle of an edge; or, with the ends of an
 /// edge on a border of the values, the point beside its middle, to its left.

@@ -32,7 +32,8 @@ pub fn meshing_name(meshing: Meshing) -> &'static str {
     }
 }
 
-/// Lights `world` with each of `meshings` to each of `errors`, other settings as given.
+/// Lights `world` with each of `meshings` to each of `errors`, the largest first, other settings as given. A series ends where
+/// no finer mesh is to be had.
 ///
 /// # Errors
 /// As for [`light`].
@@ -53,12 +54,18 @@ pub fn convergence(
             };
             let start = Instant::now();
             let solution = light(world, &settings, &mut |_, _| {})?;
+            let (elements, measured) = (solution.summary.elements, solution.summary.measured);
+            // A uniform mesh that was cut off does not get better by asking for more.
+            let is_same = |r: &ConvergenceRow| r.meshing == meshing && r.elements == elements;
+            if measured.relative_rms > error && rows.last().is_some_and(is_same) {
+                break;
+            }
             rows.push(ConvergenceRow {
                 scene: scene.to_owned(),
                 meshing,
                 error_asked: error,
-                elements: solution.summary.elements,
-                error_measured: solution.summary.measured.relative_rms,
+                elements,
+                error_measured: measured.relative_rms,
                 seconds: start.elapsed().as_secs_f64(),
             });
         }

@@ -144,7 +144,7 @@ impl Summary {
                 .fold(0.0, f64::max);
             say(
                 format!(
-                    "{} of {found} lines, predicted to break by {strongest:.3} W/m² at most over their penumbras",
+                    "{} of {found} lines, {strongest:.3} W/m² at most",
                     found - self.lines_kept
                 ),
                 "elements without them are as good at the error asked for",

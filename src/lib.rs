@@ -9,6 +9,7 @@
 //! | module | makes of | what | after |
 //! |---|---|---|---|
 //! | [`io`] | a file | a [`RawScene`](scene::RawScene), metres, y up | |
+//! | [`texture`] | a picture file | its texels, their mean over a triangle | Williams 1983 |
 //! | [`scene`] | that | welded, planar, maximal faces with their neighbours | |
 //! | [`visibility`] | faces | who hides whom: the part of a polygon that a point sees, exactly | Woop, Benthin & Wald 2013 for rays |
 //! | [`direct`] | a point | the irradiance straight from the emitters, exact | Lambert 1760 |
@@ -42,9 +43,7 @@
 //!     name: name.to_owned(),
 //!     reflectance: Rgb::grey(reflectance),
 //!     emission: Radiance(Rgb::grey(radiance)),
-//!     is_see_through: false,
-//!     reflects_back: false,
-//!     emits_back: false,
+//!     ..Material::default()
 //! };
 //! let corners = |half: f64, y: f64| {
 //!     [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
@@ -88,5 +87,6 @@ pub mod radiosity;
 pub mod render;
 pub mod scene;
 pub mod settings;
+pub mod texture;
 pub mod visibility;
 pub mod warning;

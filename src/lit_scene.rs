@@ -1,8 +1,9 @@
 //! The result: meshes with light at their vertices, ready to be written or drawn.
 
-use crate::quantity::{Exitance, Irradiance, Radiosity};
+use crate::quantity::{Exitance, Irradiance, Radiosity, Rgb};
 use crate::scene::{Camera, Material};
-use glam::DVec3;
+use crate::texture::Texture;
+use glam::{DVec2, DVec3};
 
 /// A lit scene. Positions are metres relative to `origin`.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +12,8 @@ pub struct LitScene {
     pub origin: DVec3,
     /// Materials of the source scene.
     pub materials: Vec<Material>,
+    /// Textures that the materials name.
+    pub textures: Vec<Texture>,
     /// Object or node names of the source scene.
     pub groups: Vec<String>,
     /// Cameras of the source scene, in world coordinates.
@@ -34,8 +37,14 @@ pub struct LitMesh {
     pub face: u32,
     /// Unit normal of the lit side.
     pub normal: DVec3,
+    /// Diffuse reflectance, 0…1 a channel: with a texture, its mean over the face.
+    pub reflectance: Rgb,
     /// Vertex positions, metres, local. Vertices on D0 lines appear once a side.
     pub positions: Vec<DVec3>,
+    /// Texture coordinates at each vertex; empty without a texture.
+    pub uvs: Vec<DVec2>,
+    /// Unit shading normal at each vertex; empty where it is `normal` everywhere.
+    pub normals: Vec<DVec3>,
     /// Counter-clockwise seen from the lit side.
     pub triangles: Vec<[u32; 3]>,
     /// Irradiance at each vertex, W/m².
@@ -46,7 +55,12 @@ pub struct LitMesh {
 
 impl LitMesh {
     /// `B = M + ρ E` at vertex `i`.
-    pub fn radiosity(&self, material: &Material, i: usize) -> Radiosity {
-        Radiosity::leaving(self.exitance, material.reflectance, self.irradiance[i])
+    pub fn radiosity(&self, i: usize) -> Radiosity {
+        Radiosity::leaving(self.exitance, self.reflectance, self.irradiance[i])
+    }
+
+    /// Unit shading normal at vertex `i`.
+    pub fn normal_at(&self, i: usize) -> DVec3 {
+        self.normals.get(i).copied().unwrap_or(self.normal)
     }
 }

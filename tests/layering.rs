@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last stage; those on one line do not use each other, but for their own.
-const RANKS: [&[&str]; 15] = [
+const RANKS: [&[&str]; 16] = [
     &["bad_input", "warning", "quantity"],
     &["geom"],
+    &["texture"],
     &["scene"],
     &["visibility"],
     &["direct"],

@@ -119,9 +119,7 @@ fn material((name, reflectance, emission): (&str, Rgb, Rgb)) -> Material {
         name: name.to_owned(),
         reflectance,
         emission: Radiance(emission),
-        is_see_through: false,
-        reflects_back: false,
-        emits_back: false,
+        ..Material::default()
     }
 }
 

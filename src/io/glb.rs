@@ -1,5 +1,6 @@
 //! A binary glTF under construction: the JSON tree and the one buffer behind it, in the order in which things are added.
 
+use crate::texture::{ImageFormat, Texture, Wrap};
 use gltf_json as gj;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::validation::Checked::Valid;
@@ -9,9 +10,16 @@ use std::borrow::Cow;
 /// The largest number of vertices that 16-bit indices can name: 65535 itself is reserved by glTF.
 const MAX_SHORT_VERTICES: usize = 65535;
 
+/// What the JSON tree takes for "no source".
+const NO_SOURCE: u32 = u32::MAX;
+
 /// How a material is drawn. None is shaded by the viewer: the light is in the vertices.
 pub(super) struct Unlit {
     pub(super) name: String,
+    /// Texture of the base colour.
+    pub(super) texture: Option<gj::Index<gj::Texture>>,
+    /// Texels and colours whose opacity is below this are not there.
+    pub(super) cut_off: Option<f32>,
     /// Linear base colour and opacity, 0…1.
     pub(super) base_colour: [f32; 4],
 }
@@ -68,20 +76,25 @@ impl GlbBuilder {
     /// An opaque or blended material that is seen from its front only.
     pub(super) fn material(&mut self, unlit: Unlit) -> gj::Index<gj::Material> {
         const EXTENSION: &str = "KHR_materials_unlit";
-        if self.root.extensions_used.is_empty() {
-            self.root.extensions_used.push(EXTENSION.to_owned());
-        }
-        let alpha_mode = if unlit.base_colour[3] < 1.0 {
-            gj::material::AlphaMode::Blend
-        } else {
-            gj::material::AlphaMode::Opaque
+        self.use_extension(EXTENSION);
+        let alpha_mode = match unlit.cut_off {
+            Some(_) => gj::material::AlphaMode::Mask,
+            None if unlit.base_colour[3] < 1.0 => gj::material::AlphaMode::Blend,
+            None => gj::material::AlphaMode::Opaque,
         };
         // Viewers without the extension fall back to a rough dielectric, the nearest they have.
         self.root.push(gj::Material {
             name: Some(unlit.name),
             alpha_mode: Valid(alpha_mode),
+            alpha_cutoff: unlit.cut_off.map(gj::material::AlphaCutoff),
             pbr_metallic_roughness: gj::material::PbrMetallicRoughness {
                 base_color_factor: gj::material::PbrBaseColorFactor(unlit.base_colour),
+                base_color_texture: unlit.texture.map(|index| gj::texture::Info {
+                    index,
+                    tex_coord: 0,
+                    extensions: None,
+                    extras: None,
+                }),
                 metallic_factor: gj::material::StrengthFactor(0.0),
                 ..Default::default()
             },
@@ -91,6 +104,51 @@ impl GlbBuilder {
             }),
             ..Default::default()
         })
+    }
+
+    fn use_extension(&mut self, name: &str) {
+        let used = &mut self.root.extensions_used;
+        if !used.iter().any(|known| known == name) {
+            used.push(name.to_owned());
+        }
+    }
+
+    /// A texture with its picture as it came.
+    pub(super) fn texture(&mut self, texture: &Texture) -> gj::Index<gj::Texture> {
+        const WEBP: &str = "EXT_texture_webp";
+        let start = self.buffer.len();
+        self.buffer.extend_from_slice(&texture.encoded);
+        let view = self.view(start, None);
+        let media_type = texture.format.media_type();
+        let source = self.root.push(gj::Image {
+            buffer_view: Some(view),
+            mime_type: Some(gj::image::MimeType(media_type.to_owned())),
+            name: Some(texture.name.clone()),
+            uri: None,
+            extensions: None,
+            extras: None,
+        });
+        let sampler = self.root.push(sampler(texture));
+        let mut file = gj::Texture {
+            name: Some(texture.name.clone()),
+            sampler: Some(sampler),
+            source,
+            extensions: None,
+            extras: None,
+        };
+        if texture.format == ImageFormat::WebP {
+            self.use_extension(WEBP);
+            let required = &mut self.root.extensions_required;
+            if required.is_empty() {
+                required.push(WEBP.to_owned());
+            }
+            file.source = gj::Index::new(NO_SOURCE);
+            let value = serde_json::json!({ "source": source.value() });
+            file.extensions = Some(gj::extensions::texture::Texture {
+                others: serde_json::Map::from_iter([(WEBP.to_owned(), value)]),
+            });
+        }
+        self.root.push(file)
     }
 
     /// Positions, with the bounds that glTF wants for them.
@@ -104,6 +162,17 @@ impl GlbBuilder {
         };
         let (min, max) = (bound(f32::min), bound(f32::max));
         self.vectors_with(values, min, max)
+    }
+
+    /// One float VEC2 for each vertex.
+    pub(super) fn pairs(&mut self, values: &[[f32; 2]]) -> gj::Index<gj::Accessor> {
+        let start = self.buffer.len();
+        for value in values.as_flattened() {
+            self.buffer.extend_from_slice(&value.to_le_bytes());
+        }
+        let view = self.view(start, Some(gj::buffer::Target::ArrayBuffer));
+        let (count, component) = (values.len(), ComponentType::F32);
+        self.accessor(view, count, component, Type::Vec2, None, None)
     }
 
     /// One float VEC3 for each vertex.
@@ -121,7 +190,7 @@ impl GlbBuilder {
         for value in values.as_flattened() {
             self.buffer.extend_from_slice(&value.to_le_bytes());
         }
-        let view = self.view(start, gj::buffer::Target::ArrayBuffer);
+        let view = self.view(start, Some(gj::buffer::Target::ArrayBuffer));
         self.accessor(view, values.len(), ComponentType::F32, Type::Vec3, min, max)
     }
 
@@ -140,12 +209,16 @@ impl GlbBuilder {
             }
             ComponentType::U32
         };
-        let view = self.view(start, gj::buffer::Target::ElementArrayBuffer);
+        let view = self.view(start, Some(gj::buffer::Target::ElementArrayBuffer));
         self.accessor(view, values.len(), component, Type::Scalar, None, None)
     }
 
     /// The bytes since `start` as a view; pads so that the next one starts at a multiple of four.
-    fn view(&mut self, start: usize, target: gj::buffer::Target) -> gj::Index<gj::buffer::View> {
+    fn view(
+        &mut self,
+        start: usize,
+        target: Option<gj::buffer::Target>,
+    ) -> gj::Index<gj::buffer::View> {
         let end = self.buffer.len();
         self.buffer.resize(end.next_multiple_of(4), 0);
         self.root.push(gj::buffer::View {
@@ -154,7 +227,7 @@ impl GlbBuilder {
             byte_offset: Some(USize64::from(start)),
             byte_stride: None,
             name: None,
-            target: Some(Valid(target)),
+            target: target.map(Valid),
             extensions: None,
             extras: None,
         })
@@ -228,5 +301,40 @@ impl GlbBuilder {
         }
         .to_vec()
         .expect("writing to memory cannot fail")
+    }
+}
+
+/// How a texture is looked up, as its file said.
+fn sampler(texture: &Texture) -> gj::texture::Sampler {
+    use gj::texture::{MagFilter, MinFilter, WrappingMode};
+    let wrap = |wrap| {
+        Valid(match wrap {
+            Wrap::Repeat => WrappingMode::Repeat,
+            Wrap::Mirror => WrappingMode::MirroredRepeat,
+            Wrap::Clamp => WrappingMode::ClampToEdge,
+        })
+    };
+    let magnified = [MagFilter::Nearest, MagFilter::Linear];
+    let minified = [
+        MinFilter::Nearest,
+        MinFilter::Linear,
+        MinFilter::NearestMipmapNearest,
+        MinFilter::LinearMipmapNearest,
+        MinFilter::NearestMipmapLinear,
+        MinFilter::LinearMipmapLinear,
+    ];
+    let [magnify, minify] = texture.filters;
+    gj::texture::Sampler {
+        mag_filter: magnified
+            .into_iter()
+            .find(|filter| Some(filter.as_gl_enum()) == magnify)
+            .map(Valid),
+        min_filter: minified
+            .into_iter()
+            .find(|filter| Some(filter.as_gl_enum()) == minify)
+            .map(Valid),
+        wrap_s: wrap(texture.wrap[0]),
+        wrap_t: wrap(texture.wrap[1]),
+        ..Default::default()
     }
 }

@@ -68,6 +68,8 @@ fn write_faces(glb: &mut GlbBuilder, faces: &[LitMesh]) -> Option<gj::Index<gj::
     }
     let material = glb.material(Unlit {
         name: String::from("faces"),
+        texture: None,
+        cut_off: None,
         base_colour: [FACE_GREY, FACE_GREY, FACE_GREY, 1.0],
     });
     let mut primitive = plain(glb, &positions, Mode::Triangles, material);
@@ -79,6 +81,8 @@ fn write_set(glb: &mut GlbBuilder, set: &LineSet) -> gj::Index<gj::Node> {
     let [r, g, b] = to_f32(DVec3::from_array(set.colour).clamp(DVec3::ZERO, DVec3::ONE));
     let material = glb.material(Unlit {
         name: set.name.clone(),
+        texture: None,
+        cut_off: None,
         base_colour: [r, g, b, 1.0],
     });
     let ends: Vec<_> = set

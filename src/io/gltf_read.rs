@@ -1,26 +1,31 @@
 //! glTF 2.0, as `.gltf` with its buffers or as `.glb`.
 //!
-//! Front faces reflect and emit; a `doubleSided` material does so on both sides. A hostile file ends in a [`BadInput`],
-//! never in a panic: what is used is checked first, and what the `gltf` crate itself trips over is caught.
+//! Front faces reflect and emit; a `doubleSided` material does so on both sides. Skins and morph targets are read in the
+//! pose that the file shows without its animations. A hostile file ends in a [`BadInput`], never in a panic: what is used
+//! is checked first.
 
-mod accessor;
-mod buffers;
+mod instances;
+mod light;
 mod material;
 mod node;
 mod omitted;
-mod shield;
+mod shape;
 mod triangles;
 
+use super::gltf_data::accessor::{self, Numbers};
+use super::gltf_data::buffers::{Buffers, Folder};
+use super::gltf_data::place::normal_matrix;
+use super::gltf_data::{document, texture};
 use super::{ReadSettings, Unit, index_u32, place_of, read_file};
 use crate::bad_input::BadInput;
 use crate::scene::{RawPolygon, RawScene};
 use crate::warning::Warning;
-use buffers::Buffers;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 use gltf::Semantic;
-use gltf::mesh::Mode;
+use material::Converted;
 use node::PlacedNode;
 use omitted::Omitted;
+use shape::{Shape, Source};
 use std::path::Path;
 
 /// Polygons of a scene, instances counted each time. A small file can name one mesh from many nodes; this is where it
@@ -28,19 +33,14 @@ use std::path::Path;
 const MAX_POLYGONS: usize = 50_000_000;
 
 /// Extensions that a file may use without requiring them, and what is lost without them.
-const UNREAD_EXTENSIONS: [(&str, &str); 5] = [
-    ("EXT_mesh_gpu_instancing", "its instances are not read"),
+const UNREAD_EXTENSIONS: [(&str, &str); 3] = [
     (
         "KHR_lights_punctual",
-        "point, spot and directional lights are not read: light comes from emissive faces",
+        "its point, spot and directional lights do not shine yet: light comes from emissive faces",
     ),
     (
-        "KHR_materials_pbrSpecularGlossiness",
-        "the base colour factor is used instead",
-    ),
-    (
-        "KHR_materials_transmission",
-        "such surfaces count as opaque",
+        "KHR_texture_basisu",
+        "pictures in its format are not read, others are",
     ),
     ("KHR_materials_variants", "the default variant is used"),
 ];
@@ -48,105 +48,111 @@ const UNREAD_EXTENSIONS: [(&str, &str); 5] = [
 /// The scene in a glTF file.
 pub(super) fn read(path: &Path, settings: &ReadSettings) -> Result<RawScene, BadInput> {
     let place = place_of(path);
-    let bytes = read_file(path)?;
-    shield::shielded(|| read_bytes(&bytes, path, &place, settings)).unwrap_or_else(|panic| {
-        Err(BadInput::new(
-            &place,
-            format!("damaged glTF, at which its reader failed ({panic})"),
-            "export the file again, or find its faults with the Khronos glTF validator",
-        ))
-    })
+    read_bytes(&read_file(path)?, path, &place, settings)
 }
 
+/// The scene in the bytes of a glTF file; `path` is where other files are looked for.
 fn read_bytes(
     bytes: &[u8],
     path: &Path,
     place: &str,
     settings: &ReadSettings,
 ) -> Result<RawScene, BadInput> {
-    let (document, blob) = parse(bytes, place)?;
-    let buffers = Buffers::load(&document, blob, path, place)?;
+    let (document, blob) = document::parse(bytes, place)?;
+    let folder = Folder::Of(path);
+    let buffers = Buffers::load(&document, blob, &folder, place)?;
+    let is_quantized = document
+        .extensions_used()
+        .any(|e| e == "KHR_mesh_quantization");
     let mut builder = Builder {
         scene: RawScene {
             source: place.to_owned(),
             ..RawScene::default()
         },
         material_of: vec![None; document.materials().count() + 1],
-        buffers,
+        texture_of: vec![None; document.textures().count()],
+        source: Source {
+            buffers: &buffers,
+            place,
+            numbers: if is_quantized {
+                Numbers::Quantized
+            } else {
+                Numbers::Core
+            },
+        },
+        document: &document,
+        folder,
         place,
         settings,
         omitted: Omitted::default(),
     };
-    builder.warn_of_document(&document);
-    for placed in node::placed_nodes(&document, place)? {
-        builder.push_node(&placed)?;
+    builder.warn_of_document();
+    let nodes = node::placed_nodes(&document, place)?;
+    let mut worlds = vec![None; document.nodes().count()];
+    for placed in &nodes {
+        worlds[placed.node.index()] = Some(placed.world);
     }
-    builder.omitted.warn(place, &mut builder.scene.warnings);
-    Ok(builder.scene)
-}
-
-/// The document, checked, and the binary chunk.
-fn parse(bytes: &[u8], place: &str) -> Result<(gltf::Document, Option<Vec<u8>>), BadInput> {
-    let gltf = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| invalid(place, &e))?;
-    // Ahead of the crate's checks, which would name the extension last among the consequences of not knowing it.
-    let unknown: Vec<_> = gltf
-        .document
-        .extensions_required()
-        .filter(|name| !gltf::json::extensions::ENABLED_EXTENSIONS.contains(name))
-        .collect();
-    if !unknown.is_empty() {
-        return Err(BadInput::new(
-            place,
-            format!("requires {}, which is not supported", unknown.join(", ")),
-            "export without mesh compression, quantization and other required extensions",
-        ));
+    for placed in &nodes {
+        builder.push_node(placed, &worlds)?;
     }
-    let document =
-        gltf::Document::from_json(gltf.document.into_json()).map_err(|e| invalid(place, &e))?;
-    Ok((document, gltf.blob))
-}
-
-fn invalid(place: &str, error: &gltf::Error) -> BadInput {
-    let what = match error {
-        gltf::Error::Validation(mistakes) => match &mistakes[..] {
-            [(path, first), others @ ..] => {
-                format!("invalid glTF: {path}: {first} (and {} more)", others.len())
-            }
-            [] => "invalid glTF".to_owned(),
-        },
-        other => format!("cannot be read as glTF 2.0: {other}"),
-    };
-    BadInput::new(place, what, "export the file again")
+    Ok(builder.finish())
 }
 
 struct Builder<'a> {
     scene: RawScene,
-    /// Index into `scene.materials` of each material of the document that a face uses; the last is for "none".
-    material_of: Vec<Option<u32>>,
-    buffers: Buffers,
+    /// Each material of the document that a face uses; the last is for "none".
+    material_of: Vec<Option<Converted>>,
+    /// Each texture of the document that was looked at: its index in the scene, if it could be read.
+    texture_of: Vec<Option<Option<u32>>>,
+    source: Source<'a>,
+    document: &'a gltf::Document,
+    folder: Folder<'a>,
     place: &'a str,
     settings: &'a ReadSettings,
     omitted: Omitted,
 }
 
 impl Builder<'_> {
-    fn warn_of_document(&mut self, document: &gltf::Document) {
+    fn warn_of_document(&mut self) {
         let mut warn = |message| self.scene.warnings.push(Warning::new(self.place, message));
         if self.settings.unit.is_some_and(|unit| unit != Unit::Metre) {
             warn("the unit is left out of account: glTF is in metres".to_owned());
         }
         for (name, loss) in UNREAD_EXTENSIONS {
-            if document.extensions_used().any(|used| used == name) {
+            if self.document.extensions_used().any(|used| used == name) {
                 warn(format!("uses {name}: {loss}"));
             }
         }
     }
 
-    fn push_node(&mut self, placed: &PlacedNode<'_>) -> Result<(), BadInput> {
+    /// The scene, with its warnings, without lists that say nothing.
+    fn finish(mut self) -> RawScene {
+        self.omitted.warn(self.place, &mut self.scene.warnings);
+        if self.scene.textures.is_empty() {
+            self.scene.uvs.clear();
+        }
+        if self.scene.normals.iter().all(|n| *n == DVec3::ZERO) {
+            self.scene.normals.clear();
+        }
+        self.scene
+    }
+
+    fn push_node(
+        &mut self,
+        placed: &PlacedNode<'_>,
+        worlds: &[Option<DMat4>],
+    ) -> Result<(), BadInput> {
+        let up = self.settings.up;
         if let Some(camera) = placed.node.camera() {
-            match node::camera(placed, &camera, self.settings.up) {
+            match node::camera(placed, &camera, up) {
                 Some(camera) => self.scene.cameras.push(camera),
                 None => self.omitted.cameras += 1,
+            }
+        }
+        if let Some(light) = placed.node.light() {
+            match light::light(placed, &light, up) {
+                Some(light) => self.scene.lights.push(light),
+                None => self.omitted.lights += 1,
             }
         }
         let Some(mesh) = placed.node.mesh() else {
@@ -156,11 +162,36 @@ impl Builder<'_> {
         let name = name.map_or_else(|| format!("node {}", placed.node.index()), str::to_owned);
         let group = index_u32(self.scene.groups.len(), self.place)?;
         self.scene.groups.push(name);
-        self.omitted.skins += usize::from(placed.node.skin().is_some());
+        let buffers = self.source.buffers;
+        let instances = instances::instances(&placed.node, self.document, buffers, self.place)?;
+        let joints = self.joints(&placed.node, worlds)?;
         for primitive in mesh.primitives() {
-            self.push_primitive(placed, &primitive, group)?;
+            self.push_primitive(placed, &primitive, group, &instances, &joints)?;
         }
         Ok(())
+    }
+
+    /// Where each joint of the node's skin takes a point of the mesh; empty without a skin.
+    fn joints(
+        &self,
+        node: &gltf::Node<'_>,
+        worlds: &[Option<DMat4>],
+    ) -> Result<Vec<DMat4>, BadInput> {
+        let Some(skin) = node.skin() else {
+            return Ok(Vec::new());
+        };
+        let (buffers, place) = (self.source.buffers, self.place);
+        let inverse = skin.inverse_bind_matrices();
+        let inverse = inverse
+            .map(|a| accessor::vectors::<16>(&a, buffers, place, Numbers::Core, "bind matrices"))
+            .transpose()?;
+        let joint = |(i, joint): (usize, gltf::Node<'_>)| {
+            let bind = inverse.as_ref().and_then(|list| list.get(i));
+            let bind = bind.map_or(DMat4::IDENTITY, DMat4::from_cols_array);
+            // A joint outside the scene stands at its root.
+            worlds[joint.index()].unwrap_or(DMat4::IDENTITY) * bind
+        };
+        Ok(skin.joints().enumerate().map(joint).collect())
     }
 
     fn push_primitive(
@@ -168,68 +199,116 @@ impl Builder<'_> {
         placed: &PlacedNode<'_>,
         primitive: &gltf::Primitive<'_>,
         group: u32,
+        instances: &[DMat4],
+        joints: &[DMat4],
     ) -> Result<(), BadInput> {
-        let Some(source) = primitive.get(&Semantic::Positions) else {
+        let is_drawn = !matches!(
+            primitive.mode(),
+            gltf::mesh::Mode::Points
+                | gltf::mesh::Mode::Lines
+                | gltf::mesh::Mode::LineLoop
+                | gltf::mesh::Mode::LineStrip
+        );
+        if !is_drawn {
             self.omitted.primitives += 1;
             return Ok(());
-        };
-        let positions = accessor::positions(&source, &self.buffers, self.place)?;
-        let indices = match primitive.indices() {
-            Some(indices) => accessor::indices(&indices, &self.buffers, self.place)?,
-            None => (0..index_u32(positions.len(), self.place)?).collect(),
-        };
-        let Some(triangles) = triangles::triangles(primitive.mode(), &indices) else {
-            self.omitted.primitives += 1;
-            return Ok(());
-        };
-        if primitive.mode() == Mode::Triangles && indices.len() % 3 != 0 {
-            self.omitted.leftovers += 1;
         }
+        let material = self.material(&primitive.material())?;
+        let Some(mut shape) = self.source.shape(primitive, material.uv)? else {
+            self.omitted.primitives += 1;
+            return Ok(());
+        };
+        let mesh_weights = placed.node.mesh().and_then(|mesh| mesh.weights());
+        let weights = placed.node.weights().or(mesh_weights).unwrap_or(&[]);
+        self.source.morph(&mut shape, primitive, weights)?;
+        let is_posed = !joints.is_empty() && self.source.pose(&mut shape, primitive, joints)?;
+        // The joints stand in the world: the place of a skinned node itself does not count.
+        let world = if is_posed {
+            DMat4::IDENTITY
+        } else {
+            placed.world
+        };
+        self.omitted.leftovers += usize::from(shape.has_leftover);
         self.omitted.colours += usize::from(primitive.get(&Semantic::Colors(0)).is_some());
-        self.omitted.morphs += usize::from(primitive.morph_targets().next().is_some());
-        if self.scene.polygons.len() + triangles.len() > MAX_POLYGONS {
+        self.omitted.without_uvs += usize::from(material.uv.is_some() && shape.uvs.is_empty());
+        if primitive.material().index().is_none() {
+            self.omitted.without_material += shape.triangles.len();
+        }
+        let added = shape.triangles.len().saturating_mul(instances.len());
+        if self.scene.polygons.len().saturating_add(added) > MAX_POLYGONS {
             return Err(BadInput::new(
                 self.place,
                 format!("more than {MAX_POLYGONS} triangles, instances counted"),
                 "split the scene",
             ));
         }
-        let material = self.material(&primitive.material(), triangles.len())?;
-        self.push_triangles(placed, &positions, &triangles, material, group)
+        for &instance in instances {
+            let at = Placement {
+                node: placed.node.index(),
+                world: world * instance,
+                material: material.index,
+                group,
+            };
+            self.push_shape(&shape, &at)?;
+        }
+        Ok(())
     }
 
-    /// Index of the material in the scene, which gets it at its first use.
-    fn material(&mut self, source: &gltf::Material<'_>, faces: usize) -> Result<u32, BadInput> {
-        if source.index().is_none() {
-            self.omitted.without_material += faces;
-        }
+    /// The material in the scene, which gets it at its first use.
+    fn material(&mut self, source: &gltf::Material<'_>) -> Result<Converted, BadInput> {
         let slot = source.index().unwrap_or(self.material_of.len() - 1);
-        if let Some(index) = self.material_of[slot] {
-            return Ok(index);
+        if let Some(known) = self.material_of[slot] {
+            return Ok(known);
+        }
+        let (mut material, texture) =
+            material::convert(source, self.place, &mut self.scene.warnings)?;
+        let mut uv = None;
+        if let Some(info) = texture {
+            material.texture = self.texture(&info.texture(), &material.name)?;
+            uv = material.texture.map(|_| texture::UvSource::of(&info));
         }
         let index = index_u32(self.scene.materials.len(), self.place)?;
-        let converted = material::convert(source, self.place, &mut self.scene.warnings)?;
-        self.scene.materials.push(converted);
-        self.material_of[slot] = Some(index);
+        self.scene.materials.push(material);
+        let converted = Converted { index, uv };
+        self.material_of[slot] = Some(converted);
+        Ok(converted)
+    }
+
+    /// Index of the texture in the scene; none, with a warning, when it cannot be read.
+    fn texture(
+        &mut self,
+        source: &gltf::Texture<'_>,
+        material: &str,
+    ) -> Result<Option<u32>, BadInput> {
+        if let Some(known) = self.texture_of[source.index()] {
+            return Ok(known);
+        }
+        let index = match texture::load(source, self.document, self.source.buffers, &self.folder) {
+            Ok(texture) => {
+                self.scene.textures.push(texture);
+                Some(index_u32(self.scene.textures.len() - 1, self.place)?)
+            }
+            Err(why) => {
+                let message = format!(
+                    "material \"{material}\": its base colour texture {why}; the factor alone is used"
+                );
+                self.scene.warnings.push(Warning::new(self.place, message));
+                None
+            }
+        };
+        self.texture_of[source.index()] = Some(index);
         Ok(index)
     }
 
-    /// Adds triangles over `local` positions, of which only those in use enter the scene: exporters share one array
-    /// among many primitives.
-    fn push_triangles(
-        &mut self,
-        placed: &PlacedNode<'_>,
-        local: &[[f32; 3]],
-        triangles: &[[u32; 3]],
-        material: u32,
-        group: u32,
-    ) -> Result<(), BadInput> {
-        let is_mirrored = DMat3::from_mat4(placed.world).determinant() < 0.0;
-        let mut entered: Vec<Option<u32>> = vec![None; local.len()];
-        for triangle in triangles {
+    /// Adds triangles, of whose corners only those in use enter the scene: exporters share one array among many
+    /// primitives.
+    fn push_shape(&mut self, shape: &Shape, at: &Placement) -> Result<(), BadInput> {
+        let is_mirrored = DMat3::from_mat4(at.world).determinant() < 0.0;
+        let mut entered: Vec<Option<u32>> = vec![None; shape.positions.len()];
+        for triangle in &shape.triangles {
             let mut corners = Vec::with_capacity(3);
             for &corner in triangle {
-                corners.push(self.enter(placed, local, &mut entered, corner)?);
+                corners.push(self.enter(shape, at, &mut entered, corner)?);
             }
             // A mirror turns fronts into backs; the other way round the corners, the front is the front again.
             if is_mirrored {
@@ -237,8 +316,8 @@ impl Builder<'_> {
             }
             self.scene.polygons.push(RawPolygon {
                 corners,
-                material,
-                group,
+                material: at.material,
+                group: at.group,
             });
         }
         Ok(())
@@ -246,37 +325,50 @@ impl Builder<'_> {
 
     fn enter(
         &mut self,
-        placed: &PlacedNode<'_>,
-        local: &[[f32; 3]],
+        shape: &Shape,
+        at: &Placement,
         entered: &mut [Option<u32>],
         corner: u32,
     ) -> Result<u32, BadInput> {
         let error = |what| {
-            let at = format!("{}: node {}", self.place, placed.node.index());
+            let at = format!("{}: node {}", self.place, at.node);
             BadInput::new(at, what, "the file is damaged: export it again")
         };
-        let Some(slot) = entered.get_mut(corner as usize) else {
+        let i = corner as usize;
+        let Some(slot) = entered.get_mut(i) else {
             return Err(error(format!(
                 "index {corner} is out of range ({} vertices)",
-                local.len()
+                shape.positions.len()
             )));
         };
         if let Some(index) = *slot {
             return Ok(index);
         }
-        let position = DVec3::from_array(local[corner as usize].map(f64::from));
-        let world = self
-            .settings
-            .up
-            .to_y_up(placed.world.transform_point3(position));
+        let up = self.settings.up;
+        let world = up.to_y_up(at.world.transform_point3(shape.positions[i]));
         if !world.is_finite() {
             return Err(error(format!(
                 "the position of vertex {corner} is not finite"
             )));
         }
+        let normal = shape.normals.get(i).map_or(DVec3::ZERO, |&n| {
+            up.to_y_up(normal_matrix(at.world) * n).normalize_or_zero()
+        });
         let index = index_u32(self.scene.positions.len(), self.place)?;
         self.scene.positions.push(world);
+        self.scene.normals.push(normal);
+        self.scene
+            .uvs
+            .push(shape.uvs.get(i).copied().unwrap_or(DVec2::ZERO));
         *slot = Some(index);
         Ok(index)
     }
+}
+
+/// One copy of a shape.
+struct Placement {
+    node: usize,
+    world: DMat4,
+    material: u32,
+    group: u32,
 }

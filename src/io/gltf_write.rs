@@ -5,10 +5,11 @@
 //!
 //! | | base colour | `COLOR_0` |
 //! |---|---|---|
-//! | a side that reflects only | reflectance ρ | `E / π × exposure` |
+//! | a side that reflects only | reflectance ρ, factor and texture | `E / π × exposure` |
 //! | a side that emits | white | `(M + ρ E) / π × exposure` |
 //!
-//! both clamped to 0…1, since glTF allows no more. `_RADIOSITY` holds `M + ρ E` in W/m², unclamped.
+//! both clamped to 0…1, since glTF allows no more. `_RADIOSITY` holds `M + ρ E` in W/m², unclamped; where there is a texture,
+//! with its mean over the face for ρ. Pictures keep the bytes they came in.
 //!
 //! `COLOR_0` is linear, and float: 8 bits would band in the darks; 16 bits need a fourth component to stay aligned, save a
 //! twelfth of the file, and still show steps in a viewer that brightens the picture.
@@ -16,7 +17,7 @@
 use super::glb::{GlbBuilder, Unlit};
 use crate::lit_scene::{LitMesh, LitScene};
 use crate::quantity::{Radiance, Rgb};
-use crate::scene::Camera;
+use crate::scene::{Camera, Material};
 use glam::{DMat3, DQuat, DVec3};
 use gltf_json as gj;
 use gltf_json::mesh::{Mode, Semantic};
@@ -29,8 +30,30 @@ use std::f64::consts::PI;
 /// far enough for a 24-bit depth buffer to tell a thousandth of the scene apart at its far end.
 const NEAR_PLANE: f64 = 1e-3;
 
-/// A material of the file: index of the scene's material, and whether it is the variant for sides that emit.
-type Variant = (u32, bool);
+/// A material of the file: index of the scene's material, and which variant of it.
+type Variant = (u32, Look);
+
+/// Variants of a material.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Look {
+    /// For sides that reflect and show its texture.
+    Textured,
+    /// For sides that reflect and have no texture, or no coordinates for it.
+    Plain,
+    /// For sides that emit.
+    Emitting,
+}
+
+impl Look {
+    fn of(mesh: &LitMesh, material: &Material) -> Self {
+        let has_texture = material.texture.is_some() && !mesh.uvs.is_empty();
+        match (mesh.exitance.0.is_black(), has_texture) {
+            (false, _) => Self::Emitting,
+            (true, true) => Self::Textured,
+            (true, false) => Self::Plain,
+        }
+    }
+}
 
 /// `lit` as a binary glTF; the same scene gives the same bytes.
 ///
@@ -42,7 +65,8 @@ pub fn write_glb(lit: &LitScene) -> Vec<u8> {
     let mut glb = GlbBuilder::new();
     let mut groups: BTreeMap<u32, BTreeMap<Variant, Vec<&LitMesh>>> = BTreeMap::new();
     for mesh in lit.meshes.iter().filter(|mesh| !mesh.triangles.is_empty()) {
-        let variant = (mesh.material, !mesh.exitance.0.is_black());
+        let look = Look::of(mesh, &lit.materials[mesh.material as usize]);
+        let variant = (mesh.material, look);
         let group = groups.entry(mesh.group).or_default();
         group.entry(variant).or_default().push(mesh);
     }
@@ -51,9 +75,18 @@ pub fn write_glb(lit: &LitScene) -> Vec<u8> {
         .values()
         .flat_map(|parts| parts.keys().map(|&variant| (variant, ())))
         .collect();
+    let mut textures = BTreeMap::new();
+    for &(material, _) in used.keys() {
+        if let Some(index) = lit.materials[material as usize].texture {
+            let texture = &lit.textures[index as usize];
+            textures
+                .entry(index)
+                .or_insert_with(|| glb.texture(texture));
+        }
+    }
     let materials: BTreeMap<Variant, _> = used
         .into_keys()
-        .map(|variant| (variant, write_material(&mut glb, lit, variant)))
+        .map(|variant| (variant, write_material(&mut glb, lit, variant, &textures)))
         .collect();
 
     let mut children = Vec::new();
@@ -95,16 +128,20 @@ pub(super) fn root_node(
 fn write_material(
     glb: &mut GlbBuilder,
     lit: &LitScene,
-    (material, emits): Variant,
+    (material, look): Variant,
+    textures: &BTreeMap<u32, gj::Index<gj::Texture>>,
 ) -> gj::Index<gj::Material> {
     let material = &lit.materials[material as usize];
-    let [r, g, b] = if emits {
-        [1.0; 3]
-    } else {
-        to_f32(material.reflectance.0)
+    let [r, g, b] = match look {
+        Look::Emitting => [1.0; 3],
+        Look::Textured | Look::Plain => to_f32(material.reflectance.0),
     };
+    let is_textured = look == Look::Textured;
+    let texture = material.texture.filter(|_| is_textured);
     glb.material(Unlit {
         name: material.name.clone(),
+        texture: texture.map(|index| textures[&index]),
+        cut_off: material.cut_off.filter(|_| is_textured).map(|c| c as f32),
         base_colour: [r, g, b, 1.0],
     })
 }
@@ -113,30 +150,32 @@ fn write_material(
 fn write_primitive(
     glb: &mut GlbBuilder,
     lit: &LitScene,
-    (material, emits): Variant,
+    (_, look): Variant,
     meshes: &[&LitMesh],
 ) -> gj::mesh::Primitive {
-    let material = &lit.materials[material as usize];
-    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     let (mut colours, mut radiosities, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in meshes {
         let first =
             u32::try_from(positions.len()).expect("a glTF mesh has fewer than 2³² vertices");
         for (i, &position) in mesh.positions.iter().enumerate() {
-            let radiosity = mesh.radiosity(material, i);
-            let shown = if emits {
+            let radiosity = mesh.radiosity(i);
+            let shown = if look == Look::Emitting {
                 radiosity.to_radiance()
             } else {
                 Radiance(mesh.irradiance[i].0 * (1.0 / PI))
             };
             positions.push(to_f32(position));
-            normals.push(to_f32(mesh.normal));
+            normals.push(to_f32(mesh.normal_at(i)));
             colours.push(exposed(shown, lit.exposure));
             radiosities.push(to_f32(radiosity.0.0));
         }
+        if look == Look::Textured {
+            uvs.extend(mesh.uvs.iter().map(|uv| uv.as_vec2().to_array()));
+        }
         indices.extend(mesh.triangles.as_flattened().iter().map(|i| first + i));
     }
-    let attributes = BTreeMap::from([
+    let mut attributes = BTreeMap::from([
         (Valid(Semantic::Positions), glb.positions(&positions)),
         (Valid(Semantic::Normals), glb.vectors(&normals)),
         (Valid(Semantic::Colors(0)), glb.vectors(&colours)),
@@ -145,6 +184,9 @@ fn write_primitive(
             glb.vectors(&radiosities),
         ),
     ]);
+    if look == Look::Textured {
+        attributes.insert(Valid(Semantic::TexCoords(0)), glb.pairs(&uvs));
+    }
     gj::mesh::Primitive {
         attributes,
         indices: Some(glb.indices(&indices, positions.len())),

@@ -2,19 +2,22 @@
 //!
 //! What [`write_glb`](super::write_glb) writes, and what other programs make of it as long as the light stays in `COLOR_0`.
 
-use super::glb_data::{indices, vectors};
+use super::gltf_data::accessor::{self, Numbers};
+use super::gltf_data::buffers::{Buffers, Folder};
+use super::gltf_data::place::{local_matrix, normal_matrix};
+use super::gltf_data::texture::UvSource;
+use super::gltf_data::{document, texture};
 use crate::bad_input::BadInput;
 use crate::quantity::{Radiosity, Rgb};
 use crate::render::{LitModel, LitPart};
 use crate::scene::Camera;
-use glam::{DMat3, DMat4, DQuat, DVec3};
-use gltf::scene::Transform;
-use gltf::{Gltf, Semantic};
-use std::panic::catch_unwind;
+use glam::{DMat3, DMat4, DVec2, DVec3};
+use gltf::Semantic;
+use gltf::material::AlphaMode;
 
 /// The lit model in `bytes`, a binary glTF; `source` is its name for messages.
 ///
-/// Anything else than triangles is left out. Refused are files without `COLOR_0`, with textures, or with data outside.
+/// Anything else than triangles is left out. Refused are files without `COLOR_0`, or with data outside.
 pub fn read_lit(source: &str, bytes: &[u8]) -> Result<LitModel, BadInput> {
     if !bytes.starts_with(b"glTF") {
         return Err(BadInput::new(
@@ -23,8 +26,18 @@ pub fn read_lit(source: &str, bytes: &[u8]) -> Result<LitModel, BadInput> {
             "give the .glb that `umbrage bake` wrote",
         ));
     }
-    // The JSON reader panics on one broken file in a hundred (an accessor that is not there, for example).
-    catch_unwind(|| read(source, bytes)).unwrap_or_else(|_| Err(broken(source, "is damaged")))
+    let (document, blob) = document::parse(bytes, source)?;
+    let buffers = Buffers::load(&document, blob, &Folder::None, source)?;
+    let textures = document.textures().count();
+    let mut reader = Reader {
+        source,
+        document,
+        buffers,
+        texture_of: vec![None; textures],
+        model: LitModel::default(),
+    };
+    reader.read()?;
+    Ok(reader.model)
 }
 
 fn broken(source: &str, what: impl Into<String>) -> BadInput {
@@ -35,182 +48,195 @@ fn broken(source: &str, what: impl Into<String>) -> BadInput {
     )
 }
 
-fn read(source: &str, bytes: &[u8]) -> Result<LitModel, BadInput> {
-    let file = Gltf::from_slice(bytes)
-        .map_err(|error| broken(source, format!("cannot be read as glTF: {error}")))?;
-    let buffer = file.blob.as_deref().unwrap_or_default();
-    let scene = file.default_scene().or_else(|| file.scenes().next());
-    let scene = scene.ok_or_else(|| broken(source, "has no scene"))?;
-    let extras = match scene.extras() {
-        Some(text) => serde_json::from_str(text.get())
-            .map_err(|error| broken(source, format!("has unreadable extras: {error}")))?,
-        None => serde_json::Value::Null,
-    };
-    let mut model = LitModel {
-        source: source.to_owned(),
-        exposure: extras.get("exposure").and_then(serde_json::Value::as_f64),
-        extras,
-        ..Default::default()
-    };
+struct Reader<'a> {
+    source: &'a str,
+    document: gltf::Document,
+    buffers: Buffers,
+    /// Index in the model of each texture of the document that a part has used.
+    texture_of: Vec<Option<u32>>,
+    model: LitModel,
+}
 
-    // Walk the tree in the order of the file, each node once: a loop of nodes is valid for the JSON reader.
-    let mut is_seen = vec![false; file.nodes().count()];
-    let mut waiting: Vec<_> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-    waiting.reverse();
-    while let Some((node, parent)) = waiting.pop() {
-        if std::mem::replace(&mut is_seen[node.index()], true) {
-            return Err(broken(source, format!("shows node {} twice", node.index())));
-        }
-        let world = parent * local_matrix(&node);
-        if !world.is_finite() {
-            return Err(broken(
-                source,
-                format!("node {} is not finite", node.index()),
-            ));
-        }
-        if let Some(mesh) = node.mesh() {
-            for primitive in mesh.primitives() {
-                let part = read_part(&node, &primitive, world, buffer)
-                    .map_err(|(what, remedy)| BadInput::new(source, what, remedy))?;
-                model.parts.extend(part);
+impl Reader<'_> {
+    fn read(&mut self) -> Result<(), BadInput> {
+        let (source, document) = (self.source, self.document.clone());
+        let scene = document
+            .default_scene()
+            .or_else(|| document.scenes().next());
+        let scene = scene.ok_or_else(|| broken(source, "has no scene"))?;
+        let extras = match scene.extras() {
+            Some(text) => serde_json::from_str(text.get())
+                .map_err(|error| broken(source, format!("has unreadable extras: {error}")))?,
+            None => serde_json::Value::Null,
+        };
+        self.model.source = source.to_owned();
+        self.model.exposure = extras.get("exposure").and_then(serde_json::Value::as_f64);
+        self.model.extras = extras;
+
+        // Walk the tree in the order of the file, each node once: a loop of nodes is valid for the JSON reader.
+        let mut is_seen = vec![false; document.nodes().count()];
+        let mut waiting: Vec<_> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
+        waiting.reverse();
+        while let Some((node, parent)) = waiting.pop() {
+            if std::mem::replace(&mut is_seen[node.index()], true) {
+                return Err(broken(source, format!("shows node {} twice", node.index())));
             }
+            let world = local_matrix(&node).map(|local| parent * local);
+            let world = world
+                .filter(DMat4::is_finite)
+                .ok_or_else(|| broken(source, format!("node {} is not finite", node.index())))?;
+            for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+                let part = self.part(&node, &primitive, world)?;
+                self.model.parts.extend(part);
+            }
+            self.model.cameras.extend(read_camera(&node, world));
+            let children: Vec<_> = node.children().map(|child| (child, world)).collect();
+            waiting.extend(children.into_iter().rev());
         }
-        model.cameras.extend(read_camera(&node, world));
-        let children: Vec<_> = node.children().map(|child| (child, world)).collect();
-        waiting.extend(children.into_iter().rev());
-    }
-    Ok(model)
-}
-
-/// What is wrong with a mesh, and the remedy.
-type Refusal = (String, &'static str);
-
-fn read_part(
-    node: &gltf::Node<'_>,
-    primitive: &gltf::Primitive<'_>,
-    world: DMat4,
-    buffer: &[u8],
-) -> Result<Option<LitPart>, Refusal> {
-    if primitive.mode() != gltf::mesh::Mode::Triangles {
-        return Ok(None);
-    }
-    let name = node.name().unwrap_or("unnamed").to_owned();
-    let about = |attribute: &str, what: &str| {
-        let what = format!("{attribute} of '{name}' {what}");
-        (what, "bake it again, or check it with a glTF validator")
-    };
-    let get = |semantic: &Semantic| match primitive.get(semantic) {
-        Some(accessor) => vectors::<3>(&accessor, buffer)
-            .map(Some)
-            .map_err(|what| about(&semantic.to_string(), &what)),
-        None => Ok(None),
-    };
-    let Some(colours) = get(&Semantic::Colors(0))? else {
-        let what = format!("'{name}' has no light in it (no COLOR_0)");
-        return Err((what, "light it first: umbrage bake SCENE -o LIT.glb"));
-    };
-    let material = primitive.material();
-    let surface = material.pbr_metallic_roughness();
-    if surface.base_color_texture().is_some() {
-        let what = format!("'{name}' has a texture, which is not drawn yet");
-        return Err((what, "look at it in a glTF viewer"));
+        Ok(())
     }
 
-    let missing = |attribute| about(attribute, "is missing");
-    let positions = get(&Semantic::Positions)?.ok_or_else(|| missing("POSITION"))?;
-    let normals = get(&Semantic::Normals)?.ok_or_else(|| missing("NORMAL"))?;
-    let radiosities = get(&Semantic::Extras(String::from("RADIOSITY")))?;
-    let lengths = [Some(&normals), Some(&colours), radiosities.as_ref()];
-    if lengths
-        .into_iter()
-        .flatten()
-        .any(|list| list.len() != positions.len())
-    {
-        return Err(about("an attribute", "has another length than POSITION"));
-    }
-    let mut triangles = read_triangles(primitive, positions.len(), buffer)
-        .map_err(|what| about("the index list", &what))?;
-    // A mirrored node shows its triangles the other way round.
-    if DMat3::from_mat4(world).determinant() < 0.0 {
-        triangles
-            .iter_mut()
-            .for_each(|triangle| triangle.swap(1, 2));
-    }
-
-    let [r, g, b, _] = surface.base_color_factor().map(f64::from);
-    let upright = normal_matrix(world);
-    let map = |list: Vec<[f64; 3]>, change: &dyn Fn(DVec3) -> DVec3| {
-        list.into_iter()
-            .map(|v| change(v.into()))
-            .collect::<Vec<_>>()
-    };
-    let to_radiosities = |list: Vec<[f64; 3]>| list.into_iter().map(|b| Radiosity(Rgb(b.into())));
-    Ok(Some(LitPart {
-        node: name,
-        material: material.name().unwrap_or("unnamed").to_owned(),
-        base_colour: Rgb::new(r, g, b),
-        is_double_sided: material.double_sided(),
-        positions: map(positions, &|p| world.transform_point3(p)),
-        normals: map(normals, &|n| (upright * n).normalize_or_zero()),
-        colours: colours.into_iter().map(|c| Rgb(c.into())).collect(),
-        radiosities: radiosities
-            .map(to_radiosities)
-            .into_iter()
-            .flatten()
-            .collect(),
-        triangles,
-    }))
-}
-
-fn read_triangles(
-    primitive: &gltf::Primitive<'_>,
-    vertices: usize,
-    buffer: &[u8],
-) -> Result<Vec<[u32; 3]>, String> {
-    let corners = match primitive.indices() {
-        Some(accessor) => indices(&accessor, buffer, vertices)?,
-        None => (0..vertices as u32).collect(),
-    };
-    Ok(corners
-        .chunks_exact(3)
-        .map(|t| [t[0], t[1], t[2]])
-        .collect())
-}
-
-/// Turns normals as `world` turns planes: its cofactors, which also stand for a node that is flattened.
-fn normal_matrix(world: DMat4) -> DMat3 {
-    let turn = DMat3::from_mat4(world);
-    let cofactors = DMat3::from_cols(
-        turn.y_axis.cross(turn.z_axis),
-        turn.z_axis.cross(turn.x_axis),
-        turn.x_axis.cross(turn.y_axis),
-    );
-    cofactors * turn.determinant().signum()
-}
-
-/// The node's own matrix; products of its parts are taken in f64, so that a far root costs no digits.
-fn local_matrix(node: &gltf::Node<'_>) -> DMat4 {
-    match node.transform() {
-        Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
+    fn attribute<const N: usize>(
+        &self,
+        primitive: &gltf::Primitive<'_>,
+        semantic: &Semantic,
+    ) -> Result<Option<Vec<[f64; N]>>, BadInput> {
+        let Some(found) = primitive.get(semantic) else {
+            return Ok(None);
+        };
+        let (name, core) = (semantic.to_string(), Numbers::Core);
+        let list = accessor::vectors::<N>(&found, &self.buffers, self.source, core, &name)?;
+        match list.iter().flatten().all(|x| x.is_finite()) {
+            true => Ok(Some(list)),
+            false => Err(broken(
+                self.source,
+                format!("{name} holds a number that is not finite"),
+            )),
         }
-        Transform::Decomposed {
-            translation,
-            rotation,
-            scale,
-        } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let rotation = if rotation.length_squared() > 0.0 {
-                rotation.normalize()
-            } else {
-                DQuat::IDENTITY
-            };
-            DMat4::from_scale_rotation_translation(
-                DVec3::from_array(scale.map(f64::from)),
-                rotation,
-                DVec3::from_array(translation.map(f64::from)),
-            )
+    }
+
+    fn part(
+        &mut self,
+        node: &gltf::Node<'_>,
+        primitive: &gltf::Primitive<'_>,
+        world: DMat4,
+    ) -> Result<Option<LitPart>, BadInput> {
+        if primitive.mode() != gltf::mesh::Mode::Triangles {
+            return Ok(None);
         }
+        let name = node.name().unwrap_or("unnamed").to_owned();
+        let get = |semantic| self.attribute::<3>(primitive, &semantic);
+        let Some(colours) = get(Semantic::Colors(0))? else {
+            return Err(BadInput::new(
+                self.source,
+                format!("'{name}' has no light in it (no COLOR_0)"),
+                "light it first: umbrage bake SCENE -o LIT.glb",
+            ));
+        };
+        let missing = |what| broken(self.source, format!("{what} of '{name}' is missing"));
+        let positions = get(Semantic::Positions)?.ok_or_else(|| missing("POSITION"))?;
+        let normals = get(Semantic::Normals)?.ok_or_else(|| missing("NORMAL"))?;
+        let radiosities = get(Semantic::Extras(String::from("RADIOSITY")))?;
+        let (texture, uvs) = self.look(primitive)?.unzip();
+        let lengths = [
+            Some(normals.len()),
+            Some(colours.len()),
+            radiosities.as_ref().map(Vec::len),
+            uvs.as_ref().map(Vec::len),
+        ];
+        if lengths.into_iter().flatten().any(|n| n != positions.len()) {
+            let what = format!("an attribute of '{name}' has another length than POSITION");
+            return Err(broken(self.source, what));
+        }
+        let mut triangles = self.triangles(primitive, positions.len())?;
+        // A mirrored node shows its triangles the other way round.
+        if DMat3::from_mat4(world).determinant() < 0.0 {
+            triangles
+                .iter_mut()
+                .for_each(|triangle| triangle.swap(1, 2));
+        }
+
+        let material = primitive.material();
+        let [r, g, b, alpha] = material.pbr_metallic_roughness().base_color_factor();
+        let upright = normal_matrix(world);
+        let map = |list: Vec<[f64; 3]>, change: &dyn Fn(DVec3) -> DVec3| {
+            list.into_iter()
+                .map(|v| change(v.into()))
+                .collect::<Vec<_>>()
+        };
+        let to_radiosities =
+            |list: Vec<[f64; 3]>| list.into_iter().map(|b| Radiosity(Rgb(b.into())));
+        Ok(Some(LitPart {
+            node: name,
+            material: material.name().unwrap_or("unnamed").to_owned(),
+            base_colour: Rgb::new(f64::from(r), f64::from(g), f64::from(b)),
+            texture,
+            cut_off: (material.alpha_mode() == AlphaMode::Mask).then(|| {
+                f64::from(material.alpha_cutoff().unwrap_or(0.5) / alpha.max(f32::EPSILON))
+            }),
+            is_double_sided: material.double_sided(),
+            positions: map(positions, &|p| world.transform_point3(p)),
+            normals: map(normals, &|n| (upright * n).normalize_or_zero()),
+            uvs: uvs.unwrap_or_default(),
+            colours: colours.into_iter().map(|c| Rgb(c.into())).collect(),
+            radiosities: radiosities
+                .map(to_radiosities)
+                .into_iter()
+                .flatten()
+                .collect(),
+            triangles,
+        }))
+    }
+
+    /// Texture and coordinates of a primitive whose material has a texture.
+    fn look(
+        &mut self,
+        primitive: &gltf::Primitive<'_>,
+    ) -> Result<Option<(u32, Vec<DVec2>)>, BadInput> {
+        let material = primitive.material();
+        let Some(info) = material.pbr_metallic_roughness().base_color_texture() else {
+            return Ok(None);
+        };
+        let from = UvSource::of(&info);
+        let Some(uvs) = self.attribute::<2>(primitive, &Semantic::TexCoords(from.set))? else {
+            return Ok(None);
+        };
+        let found = info.texture();
+        let index = match self.texture_of[found.index()] {
+            Some(known) => known,
+            None => {
+                let texture = texture::load(&found, &self.document, &self.buffers, &Folder::None);
+                let name = material.name().unwrap_or("unnamed");
+                let texture = texture
+                    .map_err(|why| broken(self.source, format!("the texture of '{name}' {why}")))?;
+                self.model.textures.push(texture);
+                self.model.textures.len() as u32 - 1
+            }
+        };
+        self.texture_of[found.index()] = Some(index);
+        Ok(Some((
+            index,
+            uvs.into_iter().map(|uv| from.apply(uv)).collect(),
+        )))
+    }
+
+    fn triangles(
+        &self,
+        primitive: &gltf::Primitive<'_>,
+        vertices: usize,
+    ) -> Result<Vec<[u32; 3]>, BadInput> {
+        let corners = match primitive.indices() {
+            Some(list) => accessor::indices(&list, &self.buffers, self.source)?,
+            None => (0..vertices as u32).collect(),
+        };
+        if let Some(index) = corners.iter().find(|&&i| i as usize >= vertices) {
+            let what = format!("an index list names vertex {index} of {vertices}");
+            return Err(broken(self.source, what));
+        }
+        Ok(corners
+            .chunks_exact(3)
+            .map(|t| [t[0], t[1], t[2]])
+            .collect())
     }
 }
 
@@ -260,7 +286,7 @@ mod tests {
         };
         assert!(refused("COLOR_0", "_COLOUR").contains("umbrage bake"));
         assert!(refused("\"NORMAL\"", "\"_NORMAL\"").contains("NORMAL of 'walls' is missing"));
-        assert!(refused("\"count\":4,", "\"count\":4000,").contains("beyond the data"));
+        assert!(refused("\"count\":4,", "\"count\":4000,").contains("do not lie within"));
         assert!(refused("\"children\":[", "\"children\":[3,").contains("shows node 3 twice"));
         assert!(
             read_lit("a.obj", b"v 0 0 0")

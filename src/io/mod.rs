@@ -8,7 +8,7 @@ mod atomic;
 pub mod builtin;
 mod face_svg;
 mod glb;
-mod glb_data;
+mod gltf_data;
 mod gltf_lines;
 mod gltf_read;
 mod gltf_write;
@@ -30,7 +30,7 @@ pub use sensor_list::{SensorList, read_sensors};
 pub use units::{Unit, UpAxis};
 
 use crate::bad_input::BadInput;
-use crate::quantity::{Radiance, Rgb};
+use crate::quantity::Rgb;
 use crate::scene::{Material, RawScene};
 use std::path::Path;
 
@@ -121,10 +121,8 @@ fn default_material(name: &str, reflects_back: bool) -> Material {
     Material {
         name: name.to_owned(),
         reflectance: Rgb::grey(DEFAULT_REFLECTANCE),
-        emission: Radiance::ZERO,
-        is_see_through: false,
         reflects_back,
-        emits_back: false,
+        ..Material::default()
     }
 }
 

@@ -89,6 +89,7 @@ impl<'a> Builder<'a> {
             material: f.material,
             face: face.0,
             normal: scene.normal(face, side),
+            reflectance: f.reflectance,
             exitance: if emits {
                 Exitance::from_radiance(material.emission)
             } else {
@@ -126,7 +127,15 @@ impl<'a> Builder<'a> {
             let between = [0, 1, 2].map(|k| self.missing(e, k));
             self.divide(e, mesh.sites[e], between);
         }
-        if self.receiver.domain.side == FaceSide::Back {
+        let (face, side) = (self.receiver.domain.face, self.receiver.domain.side);
+        let face = &self.solution.world.scene.faces[face];
+        let positions = &self.out.positions;
+        self.out.uvs = positions.iter().filter_map(|&p| face.uv_at(p)).collect();
+        if face.shading.is_some() {
+            let normal = |&p: &DVec3| face.shading_normal(p) * side.sign();
+            self.out.normals = positions.iter().map(normal).collect();
+        }
+        if side == FaceSide::Back {
             for t in &mut self.out.triangles {
                 t.swap(1, 2);
             }

@@ -61,7 +61,7 @@ impl Rooms<'_> {
             .map(|(face, side)| {
                 let l = self.lines.of(face, side);
                 let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
-                (domain, scene.material_of(face).reflectance)
+                (domain, scene.faces[face].reflectance)
             })
             .collect();
         SolveMesh::new(domains, spacing)

@@ -157,7 +157,7 @@ pub fn light<'a>(
     let with_bounces = settings.bounces != Bounces::Count(0)
         && sides
             .iter()
-            .any(|&(f, _)| !scene.material_of(f).reflectance.is_black());
+            .any(|&(f, _)| !scene.faces[f].reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
     let mut mesher = Mesher {
         meshing: settings.meshing,
@@ -415,6 +415,7 @@ impl Solution<'_> {
         LitScene {
             origin: scene.origin,
             materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
             groups: scene.groups.clone(),
             cameras: scene.cameras.clone(),
             exposure: exposure::exposure(&meshes, self.settings.exposure),

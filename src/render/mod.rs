@@ -3,16 +3,17 @@
 mod camera;
 mod image;
 mod raycast;
-mod tonemap;
+mod surface;
 
+pub use crate::texture::{srgb_decode, srgb_encode};
 pub use camera::{CameraChoice, choose_camera};
 pub use image::{Image, Picture};
 pub use raycast::{MAX_SIZE, MAX_SUPERSAMPLE, RenderSettings, render};
-pub use tonemap::{srgb_decode, srgb_encode};
 
 use crate::quantity::{Radiosity, Rgb};
 use crate::scene::Camera;
-use glam::DVec3;
+use crate::texture::Texture;
+use glam::{DVec2, DVec3};
 
 /// What a lit glTF holds, in world coordinates (metres).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +22,8 @@ pub struct LitModel {
     pub source: String,
     /// One part for each primitive of each node.
     pub parts: Vec<LitPart>,
+    /// Textures of the parts.
+    pub textures: Vec<Texture>,
     /// Perspective cameras.
     pub cameras: Vec<Camera>,
     /// `COLOR_0` for each W/(m² sr), where the file states it.
@@ -38,12 +41,18 @@ pub struct LitPart {
     pub material: String,
     /// Linear base colour, 0…1.
     pub base_colour: Rgb,
+    /// Index into [`LitModel::textures`]; its texels multiply the base colour.
+    pub texture: Option<u32>,
+    /// Texels whose opacity (0…1) is below this are looked through.
+    pub cut_off: Option<f64>,
     /// Whether the back is drawn as the front is.
     pub is_double_sided: bool,
     /// Vertex positions, metres, world.
     pub positions: Vec<DVec3>,
     /// Unit normals.
     pub normals: Vec<DVec3>,
+    /// Texture coordinates; empty without a texture.
+    pub uvs: Vec<DVec2>,
     /// Linear `COLOR_0`, 0…1.
     pub colours: Vec<Rgb>,
     /// `_RADIOSITY`, W/m², unclamped; empty when the file has none.

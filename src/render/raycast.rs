@@ -1,9 +1,11 @@
 //! The flat view of a lit model: one fixed pattern of rays a pixel, nothing random.
 
-use super::{Image, LitModel, LitPart};
+use super::surface::Surfaces;
+use super::{Image, LitModel};
 use crate::bad_input::BadInput;
 use crate::quantity::Rgb;
 use crate::scene::Camera;
+use crate::texture::TextureMean;
 use crate::visibility::{Hit, RayCaster};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -13,6 +15,9 @@ pub const MAX_SIZE: u32 = 16384;
 
 /// Most rays along one side of a pixel: 256 rays a pixel tell all 8-bit steps of an edge apart.
 pub const MAX_SUPERSAMPLE: u32 = 16;
+
+/// A ray meets a cut-out texture where at least this share of its footprint is there.
+const THERE_FROM: f64 = 0.5;
 
 /// How a picture is taken.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +90,10 @@ pub fn render(model: &LitModel, settings: &RenderSettings) -> Result<Image, BadI
 struct View<'a> {
     settings: &'a RenderSettings,
     caster: RayCaster,
+    model: &'a LitModel,
+    surfaces: Surfaces,
     /// Part and corners of each triangle of the caster.
-    triangles: Vec<(&'a LitPart, [u32; 3])>,
+    triangles: Vec<(usize, [u32; 3])>,
     /// Half the width and half the height of the picture at distance 1, as vectors.
     half_right: DVec3,
     half_up: DVec3,
@@ -97,17 +104,20 @@ impl<'a> View<'a> {
         let triangles: Vec<_> = model
             .parts
             .iter()
-            .flat_map(|part| part.triangles.iter().map(move |&corners| (part, corners)))
+            .enumerate()
+            .flat_map(|(i, part)| part.triangles.iter().map(move |&corners| (i, corners)))
             .collect();
         let places: Vec<_> = triangles
             .iter()
-            .map(|(part, corners)| corners.map(|i| part.positions[i as usize]))
+            .map(|&(part, corners)| corners.map(|i| model.parts[part].positions[i as usize]))
             .collect();
         let camera = &settings.camera;
         let slope = (camera.vertical_fov_rad / 2.0).tan();
         let aspect = f64::from(settings.width) / f64::from(settings.height);
         Self {
             settings,
+            model,
+            surfaces: Surfaces::new(model),
             caster: RayCaster::new(&places),
             triangles,
             half_right: camera.forward.cross(camera.up) * (slope * aspect),
@@ -133,18 +143,38 @@ impl<'a> View<'a> {
         let camera = &self.settings.camera;
         let dir = camera.forward + self.half_right * right + self.half_up * up;
         let is_drawn = |hit: &Hit| {
-            let (part, _) = self.triangles[hit.triangle as usize];
-            hit.is_front || part.is_double_sided
+            let part = &self.model.parts[self.triangles[hit.triangle as usize].0];
+            let is_there = || {
+                self.texture(hit, dir)
+                    .is_none_or(|t| t.coverage >= THERE_FROM)
+            };
+            (hit.is_front || part.is_double_sided) && (part.cut_off.is_none() || is_there())
         };
         self.caster
             .nearest_where(camera.eye, dir, 0.0, f64::INFINITY, is_drawn)
-            .map_or(self.settings.background, |hit| self.colour(&hit))
+            .map_or(self.settings.background, |hit| self.colour(&hit, dir))
     }
 
-    fn colour(&self, hit: &Hit) -> Rgb {
-        let (part, corners) = self.triangles[hit.triangle as usize];
+    /// What the texture shows at a hit, if there is one.
+    fn texture(&self, hit: &Hit, dir: DVec3) -> Option<TextureMean> {
+        let (index, corners) = self.triangles[hit.triangle as usize];
+        let part = &self.model.parts[index];
+        let [p, q, r] = corners.map(|i| part.positions[i as usize]);
+        let slant = (q - p).cross(r - p).normalize().dot(dir.normalize()).abs();
+        // The square that one ray stands for, at distance 1 and where it hits.
+        let rays = f64::from(self.settings.height) * f64::from(self.settings.supersample);
+        let side = 2.0 * self.half_up.length() / rays * hit.t;
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        self.surfaces
+            .look_up((index, part), corners, weights, side * side / slant)
+    }
+
+    fn colour(&self, hit: &Hit, dir: DVec3) -> Rgb {
+        let (index, corners) = self.triangles[hit.triangle as usize];
+        let part = &self.model.parts[index];
         let [a, b, c] = corners.map(|i| part.colours[i as usize]);
-        (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v) * part.base_colour
+        (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v)
+            * Surfaces::colour(part, self.texture(hit, dir))
     }
 }
 
@@ -158,7 +188,7 @@ fn grid(index: u32, part: u32, parts: u32, count: u32) -> f64 {
 #[allow(clippy::unwrap_used, reason = "a test may panic")]
 mod tests {
     use super::*;
-    use crate::render::{CameraChoice, choose_camera};
+    use crate::render::{CameraChoice, LitPart, choose_camera};
 
     /// A quad 2 × 2 at height `z`, seen from +z, red on the left to blue on the right.
     fn quad(z: f64) -> LitPart {

@@ -11,10 +11,12 @@ mod raw;
 
 pub use clean::{CleanReport, CleanSettings, clean};
 pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
-pub use raw::{Camera, Material, RawPolygon, RawScene};
+pub use raw::{Camera, Material, PunctualKind, PunctualLight, RawPolygon, RawScene};
 
-use crate::geom::{PlaneFrame, Polygon2};
-use glam::DVec3;
+use crate::geom::{AffineMap, PlaneFrame, Polygon2};
+use crate::quantity::Rgb;
+use crate::texture::Texture;
+use glam::{DVec2, DVec3};
 
 /// The cleaned world.
 ///
@@ -37,6 +39,8 @@ pub struct Scene {
     pub emitters: IdVec<EmitterId, Emitter>,
     /// Materials.
     pub materials: Vec<Material>,
+    /// Textures of the materials.
+    pub textures: Vec<Texture>,
     /// Object or node names.
     pub groups: Vec<String>,
     /// Cameras, in world coordinates.
@@ -86,6 +90,28 @@ pub struct Face {
     pub material: u32,
     /// Index into [`Scene::groups`].
     pub group: u32,
+    /// Texture coordinates at each point (local coordinates), where the material has a texture.
+    pub uv: Option<AffineMap<2>>,
+    /// The normal of the curved surface that the face stands for, before it is brought to unit length; none where the
+    /// face is meant to be flat.
+    pub shading: Option<AffineMap<3>>,
+    /// Mean diffuse reflectance, 0…1 a channel: of the material, with the part of its texture that the face shows.
+    pub reflectance: Rgb,
+}
+
+impl Face {
+    /// Unit normal by which the front is shaded at local point `p`: that of the curved surface where there is one.
+    pub fn shading_normal(&self, p: DVec3) -> DVec3 {
+        let curved = self
+            .shading
+            .and_then(|map| DVec3::from(map.at(p)).try_normalize());
+        curved.unwrap_or(self.frame.n)
+    }
+
+    /// Texture coordinates at local point `p`, where the face has any.
+    pub fn uv_at(&self, p: DVec3) -> Option<DVec2> {
+        self.uv.map(|map| DVec2::from(map.at(p)))
+    }
 }
 
 /// The two sides of a face.

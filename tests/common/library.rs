@@ -51,9 +51,8 @@ pub(crate) fn world_of_mesh(name: &str, mesh: &ObjMesh) -> World {
             name: surface.name.clone(),
             reflectance: Rgb(surface.kd),
             emission: Radiance(Rgb(surface.ke)),
-            is_see_through: false,
             reflects_back: true,
-            emits_back: false,
+            ..Material::default()
         });
     }
     let index = |i: usize| u32::try_from(i).expect("a test makes small scenes");

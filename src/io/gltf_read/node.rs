@@ -2,10 +2,10 @@
 
 use crate::bad_input::BadInput;
 use crate::io::UpAxis;
+use crate::io::gltf_data::place::local_matrix;
 use crate::scene::Camera;
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 use gltf::camera::Projection;
-use gltf::scene::Transform;
 
 /// A node and the map from its coordinates to the world's.
 pub(super) struct PlacedNode<'a> {
@@ -62,29 +62,13 @@ fn roots(document: &gltf::Document) -> Vec<gltf::Node<'_>> {
 }
 
 fn local(node: &gltf::Node<'_>, place: &str) -> Result<DMat4, BadInput> {
-    let matrix = match node.transform() {
-        Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
-        }
-        Transform::Decomposed {
-            translation,
-            rotation,
-            scale,
-        } => {
-            // Normalised again: in f64 the file's 32-bit quaternion would scale by up to 10⁻⁷.
-            let rotation = DQuat::from_array(rotation.map(f64::from)).normalize();
-            let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-            DMat4::from_scale_rotation_translation(vector(scale), rotation, vector(translation))
-        }
-    };
-    if matrix.is_finite() {
-        return Ok(matrix);
-    }
-    Err(BadInput::new(
-        format!("{place}: node {}", node.index()),
-        "its transform is not finite, or its rotation is zero",
-        "reset the transform and export again",
-    ))
+    local_matrix(node).ok_or_else(|| {
+        BadInput::new(
+            format!("{place}: node {}", node.index()),
+            "its transform is not finite, or its rotation is zero",
+            "reset the transform and export again",
+        )
+    })
 }
 
 /// The camera of a node in the world; `None` for one without perspective or whose axes the transform makes collapse.

@@ -11,10 +11,10 @@ pub(super) struct Omitted {
     pub(super) leftovers: usize,
     /// Primitives with vertex colours.
     pub(super) colours: usize,
-    /// Primitives with morph targets.
-    pub(super) morphs: usize,
-    /// Skinned meshes.
-    pub(super) skins: usize,
+    /// Lights whose numbers mean nothing.
+    pub(super) lights: usize,
+    /// Primitives with a texture and without coordinates for it.
+    pub(super) without_uvs: usize,
     /// Cameras that are not perspective.
     pub(super) cameras: usize,
     /// Triangles without material.
@@ -34,11 +34,11 @@ impl Omitted {
                 self.colours,
                 "primitives with vertex colours, which are not read",
             ),
+            (self.lights, "lights whose numbers mean nothing left out"),
             (
-                self.morphs,
-                "primitives with morph targets, read in their base shape",
+                self.without_uvs,
+                "primitives without coordinates for their texture: the base colour factor alone is used",
             ),
-            (self.skins, "skinned meshes, read in their rest pose"),
             (self.cameras, "cameras without perspective left out"),
             (
                 self.without_material,

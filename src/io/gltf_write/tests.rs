@@ -2,7 +2,6 @@ use super::*;
 use crate::io::read_lit;
 use crate::quantity::{Exitance, Irradiance};
 use crate::render::{CameraChoice, LitModel, RenderSettings, choose_camera, render};
-use crate::scene::Material;
 
 /// Leaves `bytes` for a look with other tools, when `UMBRAGE_KEEP_GLB` names a folder (see tools/README.md).
 pub(crate) fn keep(name: &str, bytes: &[u8]) {
@@ -20,9 +19,8 @@ fn material(name: &str, reflectance: Rgb, emission: f64) -> Material {
         name: name.to_owned(),
         reflectance,
         emission: Radiance(Rgb::grey(emission)),
-        is_see_through: false,
         reflects_back: true,
-        emits_back: false,
+        ..Material::default()
     }
 }
 
@@ -39,14 +37,19 @@ fn patch(corner: DVec3, u: DVec3, v: DVec3, irradiance: [f64; 4]) -> LitMesh {
 
 /// A red wall patch and an emitting one of the same material in one group, a grey floor in another; a group without meshes.
 pub(crate) fn two_patches() -> LitScene {
-    let wall = patch(DVec3::ZERO, DVec3::X, DVec3::Y, [0.0, 1.0, 2.0, 8.0]);
+    let wall = LitMesh {
+        reflectance: Rgb::new(0.5, 0.25, 0.125),
+        ..patch(DVec3::ZERO, DVec3::X, DVec3::Y, [0.0, 1.0, 2.0, 8.0])
+    };
     let lamp = LitMesh {
         exitance: Exitance(Rgb::grey(1.5)),
+        reflectance: wall.reflectance,
         ..patch(DVec3::X, DVec3::X, DVec3::Y, [1.0; 4])
     };
     let floor = LitMesh {
         group: 2,
         material: 1,
+        reflectance: Rgb::grey(0.7),
         ..patch(DVec3::ZERO, DVec3::Z, DVec3::X, [0.1, 0.2, 0.3, 1.0 / 3.0])
     };
     LitScene {
@@ -55,6 +58,7 @@ pub(crate) fn two_patches() -> LitScene {
             material("red", Rgb::new(0.5, 0.25, 0.125), 1.5 / PI),
             material("grey", Rgb::grey(0.7), 0.0),
         ],
+        textures: Vec::new(),
         groups: ["walls", "nothing", "floor"].map(String::from).to_vec(),
         cameras: vec![Camera {
             name: String::from("door"),
@@ -94,14 +98,13 @@ fn what_was_written_is_read_back_to_float_precision() {
     );
 
     for (part, mesh) in model.parts.iter().zip(&lit.meshes) {
-        let material = &lit.materials[mesh.material as usize];
         assert_eq!(part.triangles, mesh.triangles);
         assert!(!part.is_double_sided);
         for i in 0..mesh.positions.len() {
             // The root's translation is exact in f32 here, so a kilometre from the origin costs nothing.
             assert!(part.positions[i].distance(lit.origin + mesh.positions[i]) < 1e-6);
             assert!(part.normals[i].distance(mesh.normal) < 1e-6);
-            let radiosity = mesh.radiosity(material, i);
+            let radiosity = mesh.radiosity(i);
             assert!(part.radiosities[i].0.0.distance(radiosity.0.0) < 1e-6);
             let seen = (part.colours[i] * part.base_colour).0;
             let eye = radiosity.to_radiance().0.0 * lit.exposure;

@@ -1,9 +1,9 @@
 //! Materials of an MTL file.
 //!
-//! Read here and not by `tobj`, whose MTL reader panics on a grey `Kd 0.5` (which the format allows) and cannot say on
-//! which line a number is wrong.
+//! Numbers that mean nothing are an error with their line; what makes no difference to diffuse light is passed over.
 
 use super::text::{Statement, decode, statements};
+use super::texture::TextureMap;
 use crate::bad_input::BadInput;
 use crate::io::default_material;
 use crate::quantity::{Radiance, Rgb};
@@ -12,7 +12,7 @@ use crate::warning::Warning;
 
 /// A surface below this opacity counts as not there. Glass is written with `d` near 0, paint with `d 1`; half way
 /// separates the two, and nothing in between can be said without refraction.
-const SEE_THROUGH_BELOW: f64 = 0.5;
+pub(super) const SEE_THROUGH_BELOW: f64 = 0.5;
 
 /// A material and the line that begins it.
 #[derive(Debug)]
@@ -22,7 +22,11 @@ pub(super) struct MtlMaterial {
     pub(super) place: String,
     has_kd: bool,
     has_dissolve: bool,
-    textures: Vec<&'static str>,
+    /// `map_Kd`.
+    pub(super) texture: Option<TextureMap>,
+    /// `map_d`.
+    opacity_map: Option<TextureMap>,
+    unread: Vec<&'static str>,
 }
 
 /// All materials of the file `file`, in its order, with warnings about what they state and this reader does not use.
@@ -54,7 +58,9 @@ impl MtlMaterial {
             place,
             has_kd: false,
             has_dissolve: false,
-            textures: Vec::new(),
+            texture: None,
+            opacity_map: None,
+            unread: Vec::new(),
         }
     }
 
@@ -84,12 +90,18 @@ impl MtlMaterial {
                     self.material.is_see_through = transparency > 1.0 - SEE_THROUGH_BELOW;
                 }
             }
-            "map_Kd" => self.textures.push("map_Kd"),
-            "map_Ke" => self.textures.push("map_Ke"),
-            "map_d" => self.textures.push("map_d"),
+            "map_Kd" => self.texture = TextureMap::parse(statement),
+            "map_d" => self.opacity_map = TextureMap::parse(statement),
+            "map_Ke" => self.unread.push("map_Ke"),
             _ => {}
         }
         Ok(())
+    }
+
+    /// Whether the opacity of the texture's own texels says what is there.
+    pub(super) fn is_cut_out(&self) -> bool {
+        let file = |map: &Option<TextureMap>| map.as_ref().map(|map| map.file.clone());
+        self.texture.is_some() && file(&self.texture) == file(&self.opacity_map)
     }
 
     fn warn(&self, warnings: &mut Vec<Warning>) {
@@ -100,12 +112,15 @@ impl MtlMaterial {
                 format!("material \"{name}\" states no Kd: reflectance 0.5 grey is used"),
             ));
         }
-        if !self.textures.is_empty() {
-            let textures = self.textures.join(", ");
+        let opacity = self.opacity_map.is_some() && !self.is_cut_out();
+        let unread = self.unread.iter().copied();
+        let unread: Vec<&str> = unread.chain(opacity.then_some("map_d")).collect();
+        if !unread.is_empty() {
             warnings.push(Warning::new(
                 &self.place,
                 format!(
-                    "material \"{name}\": {textures} not read; the plain Kd, Ke and d are used"
+                    "material \"{name}\": {} not read; the plain Ke and d are used",
+                    unread.join(", ")
                 ),
             ));
         }

@@ -1,6 +1,7 @@
 //! glTF files that hold what they should.
 
 use super::*;
+use crate::quantity::Radiance;
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -185,7 +186,7 @@ fn double_sided_materials_reflect_and_emit_on_both_sides() {
 }
 
 #[test]
-fn a_texture_is_warned_of_once() {
+fn a_texture_that_is_not_there_is_warned_of_once() {
     let scene = with(&[
         (
             "/materials/0/pbrMetallicRoughness/baseColorTexture",
@@ -201,12 +202,68 @@ fn a_texture_is_warned_of_once() {
     .unwrap();
     assert_eq!(scene.polygons.len(), 2);
     assert_eq!(scene.warnings.len(), 1);
+    let message = &scene.warnings[0].message;
     assert!(
-        scene.warnings[0]
-            .message
-            .contains("\"paint\": the base colour texture is not averaged")
+        message.contains("\"paint\": its base colour texture cannot be read: its file"),
+        "{message}"
     );
+    assert_eq!(scene.materials[0].texture, None);
     assert_eq!(scene.groups, ["node 0", "node 1"]);
+}
+
+/// The triangle with a texture of one texel beside it, and texture coordinates (0, 0) (1, 0) (0, 1).
+fn textured(info: Value) -> RawScene {
+    let (mut document, mut bytes) = triangle();
+    let picture = crate::io::write_png(&crate::render::Picture {
+        width: 1,
+        height: 1,
+        pixels: vec![[255; 3]],
+    });
+    for value in [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0] {
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend(&picture);
+    document["buffers"][0]["byteLength"] = json!(bytes.len());
+    let views = document["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({ "buffer": 0, "byteOffset": 44, "byteLength": 24 }));
+    views.push(json!({ "buffer": 0, "byteOffset": 68, "byteLength": picture.len() }));
+    let accessors = document["accessors"].as_array_mut().unwrap();
+    accessors.push(json!({ "bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2" }));
+    document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(2);
+    document["images"] = json!([{ "bufferView": 3, "mimeType": "image/png" }]);
+    document["samplers"] = json!([{ "wrapS": 33071, "magFilter": 9728 }]);
+    document["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = info;
+    read_glb(&document, &bytes).unwrap()
+}
+
+#[test]
+fn a_texture_comes_with_its_coordinates_and_sampler() {
+    let scene = textured(json!({ "index": 0, "texCoord": 1 }));
+    assert_eq!(scene.warnings, []);
+    assert_eq!(
+        scene.uvs,
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(glam::DVec2::from)
+    );
+    assert_eq!(scene.materials[0].texture, Some(0));
+    let texture = &scene.textures[0];
+    assert_eq!(texture.filters, [Some(9728), None]);
+    let wrap = [crate::texture::Wrap::Clamp, crate::texture::Wrap::Repeat];
+    assert_eq!(texture.wrap, wrap);
+}
+
+/// A quarter turn takes u to −v: counter-clockwise on the picture, where v points down.
+#[test]
+fn texture_transforms_scale_then_turn_then_move() {
+    let scene = textured(
+        json!({ "index": 0, "extensions": { "KHR_texture_transform": {
+        "texCoord": 1, "offset": [0.25, 0.5], "rotation": std::f32::consts::FRAC_PI_2, "scale": [2.0, 3.0]
+    } } }),
+    );
+    let wanted = [[0.25, 0.5], [0.25, -1.5], [3.25, 0.5]].map(glam::DVec2::from);
+    for (found, wanted) in scene.uvs.iter().zip(wanted) {
+        assert!(found.distance(wanted) < 1e-6, "{found} {wanted}");
+    }
 }
 
 #[test]

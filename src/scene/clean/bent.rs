@@ -1,35 +1,43 @@
-//! Polygons that bend out of their plane become triangles.
+//! Polygons that bend, or whose texture or shading does, become triangles.
 
 use super::best_plane::best_plane;
 use super::outline::trace;
 use super::piece::{Piece, Positions};
+use super::surface::Corners;
 use super::triangulate::triangulate;
 use crate::geom::Plane;
 
 /// What [`split_bent`] did.
 #[derive(Default)]
 pub(super) struct Bent {
-    /// Polygons cut into triangles.
+    /// Polygons cut into triangles because they bend out of their plane.
     pub(super) split: usize,
     /// File indices of polygons that cross themselves, dropped.
     pub(super) dropped: Vec<u32>,
 }
 
-/// Replaces each polygon with a corner farther than `planarity` from its plane by triangles.
+/// Replaces each polygon with a corner farther than `planarity` from its plane, or with a texture or shading that is not
+/// linear over it, by triangles.
 ///
 /// The plane is Newell's through the mean of the corners; the triangles are Delaunay in its projection, so they do not
 /// depend on the corner that the file names first.
-pub(super) fn split_bent(pieces: &mut Vec<Piece>, positions: &Positions, planarity: f64) -> Bent {
+pub(super) fn split_bent(
+    pieces: &mut Vec<Piece>,
+    positions: &Positions,
+    planarity: f64,
+    corners: &Corners<'_>,
+) -> Bent {
     let mut report = Bent::default();
     let mut kept = Vec::with_capacity(pieces.len());
     for piece in pieces.drain(..) {
-        if piece.corners.len() == 3 || bend(&piece, positions) <= planarity {
+        let is_flat = piece.corners.len() == 3 || bend(&piece, positions) <= planarity;
+        if is_flat && corners.are_linear(&piece, positions) {
             kept.push(piece);
             continue;
         }
         match triangles(&piece, positions) {
             Some(triangles) => {
-                report.split += 1;
+                report.split += usize::from(!is_flat);
                 kept.extend(triangles);
             }
             None => report.dropped.push(piece.source),

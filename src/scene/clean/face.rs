@@ -4,8 +4,10 @@ use super::best_plane::best_plane;
 use super::convex::convex_parts;
 use super::outline::{Loops, trace};
 use super::piece::{Piece, Positions};
+use super::surface::SurfaceMaps;
 use super::triangulate::triangulate;
-use crate::geom::{Polygon2, newell_normal};
+use crate::geom::{AffineMap, Polygon2, newell_normal};
+use crate::quantity::Rgb;
 use crate::scene::Face;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -22,12 +24,17 @@ pub(super) struct Built {
 }
 
 /// One face a group; a group that has no valid outline falls back to one face a piece.
-pub(super) fn build_faces(pieces: &[Piece], groups: &[Vec<usize>], positions: &Positions) -> Built {
+pub(super) fn build_faces(
+    pieces: &[Piece],
+    groups: &[Vec<usize>],
+    maps: &[SurfaceMaps],
+    positions: &Positions,
+) -> Built {
     let each: Vec<Built> = groups
         .par_iter()
         .map(|group| {
             let members: Vec<&Piece> = group.iter().map(|&i| &pieces[i]).collect();
-            build_group(&members, positions)
+            build_group(&members, maps, positions)
         })
         .collect();
     each.into_iter().fold(Built::default(), |mut all, one| {
@@ -38,8 +45,8 @@ pub(super) fn build_faces(pieces: &[Piece], groups: &[Vec<usize>], positions: &P
     })
 }
 
-fn build_group(members: &[&Piece], positions: &Positions) -> Built {
-    if let Some(faces) = try_build(members, positions) {
+fn build_group(members: &[&Piece], maps: &[SurfaceMaps], positions: &Positions) -> Built {
+    if let Some(faces) = try_build(members, maps, positions) {
         return Built {
             faces,
             ..Built::default()
@@ -50,7 +57,7 @@ fn build_group(members: &[&Piece], positions: &Positions) -> Built {
         ..Built::default()
     };
     for &piece in members {
-        match try_build(&[piece], positions) {
+        match try_build(&[piece], maps, positions) {
             Some(faces) => built.faces.extend(faces),
             None => built.dropped.push(piece.source),
         }
@@ -58,24 +65,52 @@ fn build_group(members: &[&Piece], positions: &Positions) -> Built {
     built
 }
 
-fn try_build(members: &[&Piece], positions: &Positions) -> Option<Vec<Face>> {
+fn try_build(members: &[&Piece], maps: &[SurfaceMaps], positions: &Positions) -> Option<Vec<Face>> {
+    // The maps of the largest piece: rounding blurs them least.
+    let area = |p: &Piece| p.newell(positions).length_squared();
+    let largest = members
+        .iter()
+        .reduce(|best, p| if area(p) > area(best) { p } else { best })?;
+    let maps = largest.maps.map(|i| maps[i as usize]);
+    let look = Look {
+        material: largest.material,
+        group: largest.group,
+        uv: maps.and_then(|m| m.uv),
+        shading: maps.and_then(|m| m.shading),
+    };
     let frame = best_plane(
         members.iter().map(|p| p.newell(positions)).sum(),
         members.iter().flat_map(|p| p.points(positions)),
     )?;
     trace(members, &frame, positions)?
         .into_iter()
-        .map(|loops| face(loops, members[0].material, members[0].group, positions))
+        .map(|loops| face(loops, look, positions))
         .collect()
 }
 
-/// The face with these loops, its edges still to be filled in; `None` when they cross or enclose nothing.
-pub(super) fn face(
-    mut loops: Loops,
-    material: u32,
-    group: u32,
-    positions: &Positions,
-) -> Option<Face> {
+/// What a face shows.
+#[derive(Clone, Copy)]
+pub(super) struct Look {
+    pub(super) material: u32,
+    pub(super) group: u32,
+    pub(super) uv: Option<AffineMap<2>>,
+    pub(super) shading: Option<AffineMap<3>>,
+}
+
+impl Look {
+    /// That of a face.
+    pub(super) fn of(face: &Face) -> Self {
+        Self {
+            material: face.material,
+            group: face.group,
+            uv: face.uv,
+            shading: face.shading,
+        }
+    }
+}
+
+/// The face with these loops, its reflectance and its edges still to be filled in; `None` when they cross or enclose nothing.
+pub(super) fn face(mut loops: Loops, look: Look, positions: &Positions) -> Option<Face> {
     // Each loop starts at its lowest vertex, so that it does not depend on where the trace began.
     for l in &mut loops {
         let lowest = (0..l.len()).min_by_key(|&i| l[i]).unwrap_or(0);
@@ -106,7 +141,10 @@ pub(super) fn face(
             .map(|t| t.map(|i| triangulation.vertices[i]))
             .collect(),
         loops,
-        material,
-        group,
+        material: look.material,
+        group: look.group,
+        uv: look.uv,
+        shading: look.shading,
+        reflectance: Rgb::BLACK,
     })
 }

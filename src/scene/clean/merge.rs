@@ -2,6 +2,7 @@
 
 use super::best_plane::best_plane;
 use super::piece::{Piece, Positions};
+use super::surface::{Corners, SurfaceMaps};
 use crate::geom::Plane;
 use crate::scene::VertexId;
 use glam::DVec3;
@@ -10,7 +11,8 @@ use glam::DVec3;
 /// plane is off by that rounding times the distance over the seed's size; each round multiplies the size.
 const MAX_REFITS: usize = 4;
 
-/// Groups of pieces that lie in one plane, touch along edges, and share material, group and facing.
+/// Groups of pieces that lie in one plane, touch along edges, share material, group and facing, and whose texture and
+/// shading go on from one to the next.
 ///
 /// Each group grows from the largest piece left, whose plane is the best known, across edges that exactly two pieces
 /// share, or at which only coplanar sheets meet. A candidate joins when all its corners are within `planarity` of that plane; its own normal then differs by at
@@ -19,6 +21,8 @@ pub(super) fn coplanar_groups(
     pieces: &[Piece],
     positions: &Positions,
     planarity: f64,
+    corners: &Corners<'_>,
+    maps: &[SurfaceMaps],
 ) -> Vec<Vec<usize>> {
     let newell: Vec<DVec3> = pieces.iter().map(|p| p.newell(positions)).collect();
     let mut seeds: Vec<usize> = (0..pieces.len()).collect();
@@ -45,6 +49,8 @@ pub(super) fn coplanar_groups(
         positions,
         newell,
         planarity,
+        corners,
+        maps,
         is_taken: vec![false; pieces.len()],
     };
     let mut groups = Vec::new();
@@ -65,6 +71,8 @@ struct Growth<'a> {
     /// Twice the area vector of each piece.
     newell: Vec<DVec3>,
     planarity: f64,
+    corners: &'a Corners<'a>,
+    maps: &'a [SurfaceMaps],
     is_taken: Vec<bool>,
 }
 
@@ -101,6 +109,12 @@ impl Growth<'_> {
                 .all(|p| plane.distance(p).abs() <= self.planarity)
     }
 
+    fn shows_the_same(&self, seed: usize, candidate: usize) -> bool {
+        let (seed, candidate) = (&self.pieces[seed], &self.pieces[candidate]);
+        self.corners
+            .continue_each_other(self.maps, seed, candidate, self.positions)
+    }
+
     /// All free pieces that fit the plane and that the seed reaches through others that fit.
     fn grow(&mut self, seed: usize, plane: &Plane) -> Vec<usize> {
         let mut members = vec![seed];
@@ -108,7 +122,10 @@ impl Growth<'_> {
         let mut done = 0;
         while done < members.len() {
             for &candidate in self.neighbours.of(members[done]) {
-                if !self.is_taken[candidate] && self.fits(candidate, plane) {
+                if !self.is_taken[candidate]
+                    && self.fits(candidate, plane)
+                    && self.shows_the_same(seed, candidate)
+                {
                     self.is_taken[candidate] = true;
                     members.push(candidate);
                 }

@@ -17,9 +17,11 @@ mod merge;
 mod outline;
 mod piece;
 mod point_tree;
+mod reflectance;
 mod report;
 mod select;
 mod straighten;
+mod surface;
 mod t_junction;
 #[cfg(test)]
 mod tests;
@@ -34,6 +36,7 @@ use crate::bad_input::BadInput;
 use crate::warning::Warning;
 use glam::DVec3;
 use piece::{Piece, Positions, Shape};
+use surface::Corners;
 
 /// Tolerances of the clean-up, metres; `None` derives them from the scene's diagonal.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,7 +69,7 @@ pub fn clean(
     raw: &RawScene,
     settings: &CleanSettings,
 ) -> Result<(Scene, CleanReport, Vec<Warning>), BadInput> {
-    let selection = select::select(raw, settings)?;
+    let mut selection = select::select(raw, settings)?;
     let tolerances = selection.tolerances;
     let mut report = CleanReport {
         polygons: raw.polygons.len(),
@@ -76,17 +79,18 @@ pub fn clean(
         planarity_m: tolerances.planarity,
         ..CleanReport::default()
     };
-    let mut pieces = selection.pieces;
-    let positions = weld_corners(
+    let mut pieces = std::mem::take(&mut selection.pieces);
+    let (positions, vertex_of) = weld_corners(
         &mut pieces,
         &selection.points,
         tolerances.weld_distance,
         &mut report,
     );
+    let corners = Corners::new(raw, selection.through_points(&vertex_of));
     let mut folded = drop_degenerate(&mut pieces, &positions, tolerances, &mut report);
     report.duplicates = duplicates::drop_duplicates(&mut pieces, &raw.materials);
 
-    let bent = bent::split_bent(&mut pieces, &positions, tolerances.planarity);
+    let bent = bent::split_bent(&mut pieces, &positions, tolerances.planarity, &corners);
     report.bent = bent.split;
     folded.extend(bent.dropped);
     // Triangles cut from a bent polygon can be needles.
@@ -97,6 +101,7 @@ pub fn clean(
         &mut report,
     ));
 
+    let maps = corners.all_maps(&mut pieces, &positions);
     let t_junctions =
         t_junction::insert_vertices(&mut pieces, &positions, tolerances.edge_distance);
     report.t_junctions = t_junctions.inserted;
@@ -104,8 +109,8 @@ pub fn clean(
     // A corner that only one of two doubles had is now a corner of both.
     report.duplicates += duplicates::drop_duplicates(&mut pieces, &raw.materials);
 
-    let groups = merge::coplanar_groups(&pieces, &positions, tolerances.planarity);
-    let mut built = face::build_faces(&pieces, &groups, &positions);
+    let groups = merge::coplanar_groups(&pieces, &positions, tolerances.planarity, &corners, &maps);
+    let mut built = face::build_faces(&pieces, &groups, &maps, &positions);
     report.pieces = pieces.len();
     report.unmerged = built.unmerged;
     folded.extend(built.dropped);
@@ -118,6 +123,7 @@ pub fn clean(
     report.duplicate_faces = duplicates::drop_duplicate_faces(&mut built.faces, &raw.materials);
     report.straightened =
         straighten::straighten(&mut built.faces, &positions, tolerances.edge_distance);
+    reflectance::average(&mut built.faces, &positions, raw);
     let (faces, vertices) = compact(built.faces, &positions);
     let scene = assemble(
         raw,
@@ -132,19 +138,19 @@ pub fn clean(
     Ok((scene, report, warnings))
 }
 
-/// Moves the corners onto welded vertices and returns their positions.
+/// Moves the corners onto welded vertices; returns the positions of these, and the vertex of each point.
 fn weld_corners(
     pieces: &mut [Piece],
     points: &[DVec3],
     weld_distance: f64,
     report: &mut CleanReport,
-) -> Positions {
+) -> (Positions, Vec<VertexId>) {
     let welded = weld::weld(points, weld_distance);
     report.welded = points.len() - welded.vertices.len();
     for corner in pieces.iter_mut().flat_map(|p| &mut p.corners) {
         *corner = welded.vertex_of[corner.0 as usize];
     }
-    welded.vertices
+    (welded.vertices, welded.vertex_of)
 }
 
 /// Drops polygons without area; returns the file indices of those that cross themselves.
@@ -212,6 +218,7 @@ fn assemble(
         emitters: emitters(&faces, &raw.materials),
         faces,
         materials: raw.materials.clone(),
+        textures: raw.textures.clone(),
         groups: raw.groups.clone(),
         cameras: raw.cameras.clone(),
         weld_distance: tolerances.weld_distance,

@@ -18,6 +18,8 @@ pub(super) struct Piece {
     pub(super) group: u32,
     /// Index of the polygon in the file.
     pub(super) source: u32,
+    /// Index of its surface maps.
+    pub(super) maps: Option<u32>,
 }
 
 /// What a polygon's corners amount to.
@@ -134,6 +136,7 @@ mod tests {
             material: 0,
             group: 0,
             source: 0,
+            maps: None,
         };
         piece.remove_spikes();
         piece.corners.iter().map(|v| v.0).collect()

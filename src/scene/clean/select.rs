@@ -1,9 +1,10 @@
 //! Which polygons count, and the local origin and tolerances they are cleaned with.
 
 use super::piece::Piece;
+use super::reflectance::CutOuts;
 use super::{CleanSettings, Tolerances};
 use crate::bad_input::BadInput;
-use crate::scene::{RawScene, VertexId};
+use crate::scene::{Material, RawScene, VertexId};
 use glam::DVec3;
 
 /// Weld distance over the scene's diagonal where the user states none.
@@ -21,6 +22,8 @@ pub(super) struct Selection {
     pub(super) pieces: Vec<Piece>,
     /// Positions that they use, local, in the order of the file.
     pub(super) points: Vec<DVec3>,
+    /// The point of each position of the file; any for those that take no part.
+    point_of: Vec<u32>,
     /// World position of the local origin.
     pub(super) origin: DVec3,
     /// Diagonal of the box around `points`.
@@ -29,31 +32,49 @@ pub(super) struct Selection {
     pub(super) tolerances: Tolerances,
 }
 
+impl Selection {
+    /// What belongs to each position of the file, from what belongs to each point.
+    pub(super) fn through_points(&self, of_point: &[VertexId]) -> Vec<VertexId> {
+        let of = |&point: &u32| of_point.get(point as usize).copied();
+        self.point_of
+            .iter()
+            .map(|point| of(point).unwrap_or(VertexId(0)))
+            .collect()
+    }
+}
+
 /// Picks the polygons that are not see-through and moves them to the centre of their box.
 pub(super) fn select(raw: &RawScene, settings: &CleanSettings) -> Result<Selection, BadInput> {
     let mut pieces = Vec::with_capacity(raw.polygons.len());
     let mut is_used = vec![false; raw.positions.len()];
+    check_attributes(raw)?;
+    let cut_outs = CutOuts::new(raw);
     for (index, polygon) in raw.polygons.iter().enumerate() {
         let Some(material) = raw.materials.get(polygon.material as usize) else {
             return Err(broken(raw, index, "refers to a material that is not there"));
         };
-        if material.is_see_through {
-            continue;
-        }
         for &corner in &polygon.corners {
             match raw.positions.get(corner as usize) {
                 None => return Err(broken(raw, index, "refers to a position that is not there")),
                 Some(p) if !p.is_finite() => {
                     return Err(broken(raw, index, "has a corner that is not a number"));
                 }
-                Some(_) => is_used[corner as usize] = true,
+                Some(_) => {}
             }
         }
+        if material.is_see_through || cut_outs.is_away(polygon) {
+            continue;
+        }
+        polygon
+            .corners
+            .iter()
+            .for_each(|&c| is_used[c as usize] = true);
         pieces.push(Piece {
             corners: polygon.corners.iter().map(|&c| VertexId(c)).collect(),
             material: polygon.material,
             group: polygon.group,
             source: u32::try_from(index).expect("fewer than 2³² polygons"),
+            maps: None,
         });
     }
     let (lo, hi) = used(&raw.positions, &is_used)
@@ -83,11 +104,44 @@ pub(super) fn select(raw: &RawScene, settings: &CleanSettings) -> Result<Selecti
     }
     Ok(Selection {
         points: used(&raw.positions, &is_used).map(|p| p - origin).collect(),
+        point_of: dense,
         pieces,
         origin,
         diagonal,
         tolerances,
     })
+}
+
+/// Refuses texture coordinates and normals that do not belong to the positions.
+fn check_attributes(raw: &RawScene) -> Result<(), BadInput> {
+    let count = raw.positions.len();
+    let bad = |what: String| BadInput::new(&raw.source, what, "export the file again");
+    for (name, length) in [
+        ("texture coordinates", raw.uvs.len()),
+        ("normals", raw.normals.len()),
+    ] {
+        if length != 0 && length != count {
+            return Err(bad(format!("{length} {name} for {count} positions")));
+        }
+    }
+    let is_finite =
+        raw.uvs.iter().all(|uv| uv.is_finite()) && raw.normals.iter().all(|n| n.is_finite());
+    if !is_finite {
+        return Err(bad(
+            "a texture coordinate or a normal is not finite".to_owned()
+        ));
+    }
+    let is_there = |material: &Material| {
+        let index = material.texture.unwrap_or(0) as usize;
+        material.texture.is_none() || index < raw.textures.len()
+    };
+    match raw.materials.iter().find(|m| !is_there(m)) {
+        Some(material) => Err(bad(format!(
+            "material \"{}\" refers to a texture that is not there",
+            material.name
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn used<'a>(positions: &'a [DVec3], is_used: &'a [bool]) -> impl Iterator<Item = DVec3> + 'a {

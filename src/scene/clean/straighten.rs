@@ -2,7 +2,7 @@
 //!
 //! Every edge casts its own critical lines, so a wall's edge in five pieces costs five times the work of one.
 
-use super::face::face;
+use super::face::{Look, face};
 use super::piece::Positions;
 use super::point_tree::PointTree;
 use crate::scene::{Face, VertexId};
@@ -53,7 +53,7 @@ fn thinned(old: &Face, is_removed: &[bool], positions: &Positions) -> Option<Fac
             return None;
         }
     }
-    face(loops, old.material, old.group, positions)
+    face(loops, Look::of(old), positions)
 }
 
 /// An edge with the faces along it.

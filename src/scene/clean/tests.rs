@@ -23,7 +23,7 @@ fn material(name: &str, emitted: f64) -> Material {
         emission: Radiance(Rgb::grey(emitted)),
         is_see_through: name == "glass",
         reflects_back: name != "one-sided",
-        emits_back: false,
+        ..Material::default()
     }
 }
 

@@ -6,16 +6,16 @@ use std::path::{Component, Path, PathBuf};
 
 /// All buffers of a document, in its order, each at least as long as the document says.
 #[derive(Debug)]
-pub(super) struct Buffers {
+pub(in crate::io) struct Buffers {
     bytes: Vec<Vec<u8>>,
 }
 
 impl Buffers {
-    /// Loads the buffers of the document in the file `path`; `blob` is the binary chunk of a GLB.
-    pub(super) fn load(
+    /// Loads the buffers of the document; `blob` is the binary chunk of a GLB.
+    pub(in crate::io) fn load(
         document: &gltf::Document,
         mut blob: Option<Vec<u8>>,
-        path: &Path,
+        folder: &Folder<'_>,
         place: &str,
     ) -> Result<Self, BadInput> {
         let mut bytes = Vec::new();
@@ -29,7 +29,7 @@ impl Buffers {
                         "export the file again",
                     )
                 })?,
-                gltf::buffer::Source::Uri(uri) => load_uri(uri, path, &at)?,
+                gltf::buffer::Source::Uri(uri) => folder.load(uri, &at)?,
             };
             if content.len() < buffer.length() {
                 return Err(BadInput::new(
@@ -48,7 +48,7 @@ impl Buffers {
     }
 
     /// The bytes of a view, where it lies within its buffer.
-    pub(super) fn view(&self, view: &gltf::buffer::View<'_>) -> Option<&[u8]> {
+    pub(in crate::io) fn view(&self, view: &gltf::buffer::View<'_>) -> Option<&[u8]> {
         let end = view.offset().checked_add(view.length())?;
         self.bytes
             .get(view.buffer().index())?
@@ -56,31 +56,50 @@ impl Buffers {
     }
 }
 
-fn load_uri(uri: &str, path: &Path, at: &str) -> Result<Vec<u8>, BadInput> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-        return encoded.and_then(decode_base64).ok_or_else(|| {
+/// Where the files beside the document are.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::io) enum Folder<'a> {
+    /// In the folder of this file.
+    Of(&'a Path),
+    /// Nowhere: all data are in the document.
+    None,
+}
+
+impl Folder<'_> {
+    /// The bytes behind a URI; `at` is the place for messages.
+    pub(in crate::io) fn load(&self, uri: &str, at: &str) -> Result<Vec<u8>, BadInput> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+            return encoded.and_then(decode_base64).ok_or_else(|| {
+                BadInput::new(
+                    at,
+                    "its data: URI is not valid base64",
+                    "export the file again",
+                )
+            });
+        }
+        let Self::Of(path) = self else {
+            return Err(BadInput::new(
+                at,
+                "lies in another file",
+                "give a .glb that holds all its data",
+            ));
+        };
+        let file = relative_file(uri).ok_or_else(|| {
             BadInput::new(
                 at,
-                "its data: URI is not valid base64",
-                "export the file again",
+                format!("refers to \"{uri}\", which is not a file beside or below the scene"),
+                "use relative paths without \"..\" or a scheme, or export as .glb",
             )
-        });
+        })?;
+        read_file(&path.parent().unwrap_or(Path::new("")).join(file)).map_err(|error| {
+            BadInput::new(
+                at,
+                format!("its file {}: {}", error.place, error.what),
+                "keep the files beside the scene, or export as .glb",
+            )
+        })
     }
-    let file = relative_file(uri).ok_or_else(|| {
-        BadInput::new(
-            at,
-            format!("refers to \"{uri}\", which is not a file beside or below the scene"),
-            "use relative paths without \"..\" or a scheme, or export as .glb",
-        )
-    })?;
-    read_file(&path.parent().unwrap_or(Path::new("")).join(file)).map_err(|error| {
-        BadInput::new(
-            at,
-            format!("its file {}: {}", error.place, error.what),
-            "keep the buffers beside the scene, or export as .glb",
-        )
-    })
 }
 
 /// A URI as a path that cannot leave the scene's directory by its own words.

@@ -12,36 +12,86 @@ use gltf::accessor::{Accessor, DataType, Dimensions};
 /// that kind needs, and far from what exhausts the memory.
 const MAX_WITHOUT_BYTES: usize = 1 << 22;
 
-/// Positions: three 32-bit floats each.
-pub(super) fn positions(
+/// Which numbers stand for fractions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::io) enum Numbers {
+    /// 32-bit floats, and what else the core of glTF allows: unsigned integers of 8 or 16 bits, normalised.
+    Core,
+    /// Integers of 8 or 16 bits in any form too (`KHR_mesh_quantization`).
+    Quantized,
+}
+
+/// Vectors with at least `N` components, of which the first `N` are taken; `what` names them for messages.
+pub(in crate::io) fn vectors<const N: usize>(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
     place: &str,
-) -> Result<Vec<[f32; 3]>, BadInput> {
-    if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
-        return Err(wrong_type(
-            accessor,
-            place,
-            "positions",
-            "32-bit floats in VEC3",
-        ));
+    numbers: Numbers,
+    what: &str,
+) -> Result<Vec<[f64; N]>, BadInput> {
+    let (data_type, is_normalized) = (accessor.data_type(), accessor.normalized());
+    let is_core = match data_type {
+        DataType::F32 => true,
+        DataType::U8 | DataType::U16 => is_normalized,
+        _ => false,
+    };
+    let is_small = !matches!(data_type, DataType::F32 | DataType::U32);
+    let is_allowed = is_core || (numbers == Numbers::Quantized && is_small);
+    let components = components(accessor.dimensions());
+    if components < N || !is_allowed {
+        let wanted = format!("32-bit floats in VEC{N}");
+        return Err(wrong_type(accessor, place, what, &wanted));
     }
-    elements(accessor, buffers, 12, &|b| {
-        [float(b), float(&b[4..]), float(&b[8..])]
+    let size = data_type.size();
+    let number = |bytes: &[u8]| number(data_type, is_normalized, bytes);
+    elements(accessor, buffers, size * components, [0.0; N], &|bytes| {
+        std::array::from_fn(|i| number(&bytes[i * size..]))
     })
     .ok_or_else(|| out_of_range(accessor, place))
 }
 
+/// A component as a fraction (glTF 2.0, 3.6.2.2: signed ones have two values for −1).
+fn number(data_type: DataType, is_normalized: bool, bytes: &[u8]) -> f64 {
+    let (value, largest) = match data_type {
+        DataType::F32 => return f64::from(float(bytes)),
+        DataType::U32 => return f64::from(word(bytes)),
+        DataType::U8 => (f64::from(bytes[0]), f64::from(u8::MAX)),
+        DataType::U16 => (f64::from(short(bytes)), f64::from(u16::MAX)),
+        DataType::I8 => (f64::from(i8::from_le_bytes([bytes[0]])), f64::from(i8::MAX)),
+        DataType::I16 => {
+            let value = i16::from_le_bytes([bytes[0], bytes[1]]);
+            (f64::from(value), f64::from(i16::MAX))
+        }
+    };
+    if is_normalized {
+        (value / largest).max(-1.0)
+    } else {
+        value
+    }
+}
+
+/// Components of an element; those of smaller matrices are padded, and never read.
+fn components(dimensions: Dimensions) -> usize {
+    match dimensions {
+        Dimensions::Scalar => 1,
+        Dimensions::Vec2 => 2,
+        Dimensions::Vec3 => 3,
+        Dimensions::Vec4 => 4,
+        Dimensions::Mat4 => 16,
+        Dimensions::Mat2 | Dimensions::Mat3 => 0,
+    }
+}
+
 /// Indices: unsigned integers of 8, 16 or 32 bits.
-pub(super) fn indices(
+pub(in crate::io) fn indices(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
     place: &str,
 ) -> Result<Vec<u32>, BadInput> {
     let read = match (accessor.data_type(), accessor.dimensions()) {
-        (DataType::U8, Dimensions::Scalar) => elements(accessor, buffers, 1, &byte),
-        (DataType::U16, Dimensions::Scalar) => elements(accessor, buffers, 2, &short),
-        (DataType::U32, Dimensions::Scalar) => elements(accessor, buffers, 4, &word),
+        (DataType::U8, Dimensions::Scalar) => elements(accessor, buffers, 1, 0, &byte),
+        (DataType::U16, Dimensions::Scalar) => elements(accessor, buffers, 2, 0, &short),
+        (DataType::U32, Dimensions::Scalar) => elements(accessor, buffers, 4, 0, &word),
         _ => {
             return Err(wrong_type(
                 accessor,
@@ -55,10 +105,11 @@ pub(super) fn indices(
 }
 
 /// All elements of `size` bytes, sparse replacements made; `None` when a range leaves its bytes or an index its array.
-fn elements<T: Clone + Default>(
+fn elements<T: Clone>(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
     size: usize,
+    zero: T,
     decode: &dyn Fn(&[u8]) -> T,
 ) -> Option<Vec<T>> {
     let count = accessor.count();
@@ -69,7 +120,7 @@ fn elements<T: Clone + Default>(
                 .map(decode)
                 .collect()
         }
-        None if count <= MAX_WITHOUT_BYTES => vec![T::default(); count],
+        None if count <= MAX_WITHOUT_BYTES => vec![zero; count],
         None => return None,
     };
     if let Some(sparse) = accessor.sparse() {
@@ -139,7 +190,7 @@ fn wrong_type(accessor: &Accessor<'_>, place: &str, what: &str, wanted: &str) ->
             accessor.data_type(),
             accessor.dimensions()
         ),
-        "export without quantization or compression",
+        "export without compression",
     )
 }
 

@@ -1,0 +1,111 @@
+//! What of a texture a face shows, on the mean.
+
+use super::piece::Positions;
+use crate::quantity::Rgb;
+use crate::scene::{Face, Material, RawPolygon, RawScene};
+use crate::texture::MipMap;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A polygon of which less than this share is there counts as not there. No share of it can be right: light meets either
+/// all of a face or none of it.
+const AWAY_BELOW: f64 = 0.5;
+
+/// Fills in the reflectance of each face: of its material, times the area mean of the part of its texture that it shows.
+///
+/// One texture is open at a time: at full resolution, a large scene's do not fit the memory in linear light.
+pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene) {
+    for face in faces.iter_mut() {
+        face.reflectance = raw.materials[face.material as usize].reflectance;
+    }
+    let shown = |face: &Face| face.uv.is_some().then_some(face.material);
+    let mut materials: Vec<u32> = faces.iter().filter_map(shown).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    for index in materials {
+        let material = &raw.materials[index as usize];
+        let Some(map) = mip_map(raw, material) else {
+            continue;
+        };
+        faces
+            .par_iter_mut()
+            .filter(|face| face.material == index)
+            .for_each(|face| {
+                if let Some(mean) = mean_over(face, positions, &map) {
+                    face.reflectance = material.reflectance * mean;
+                }
+            });
+    }
+}
+
+/// The texture of a material, and its cut-off, in linear light.
+fn mip_map(raw: &RawScene, material: &Material) -> Option<MipMap> {
+    let texture = raw.textures.get(material.texture? as usize)?;
+    Some(MipMap::new(
+        Arc::clone(&texture.texels),
+        texture.wrap,
+        material.cut_off,
+    ))
+}
+
+/// Mean colour over a face, by its triangles; none without texture coordinates or with nothing there.
+fn mean_over(face: &Face, positions: &Positions, map: &MipMap) -> Option<Rgb> {
+    let uv = face.uv?;
+    let (mut sum, mut weight) = (Rgb::BLACK, 0.0);
+    for t in &face.triangles {
+        let corners = t.map(|v| positions[v]);
+        let mean = map.mean(corners.map(|p| DVec2::from(uv.at(p))));
+        let share = area(corners) * mean.coverage;
+        sum += mean.colour * share;
+        weight += share;
+    }
+    (weight > 0.0).then(|| sum * (1.0 / weight))
+}
+
+fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// The cut-out textures of a scene.
+pub(super) struct CutOuts<'a> {
+    raw: &'a RawScene,
+    maps: BTreeMap<u32, MipMap>,
+}
+
+impl<'a> CutOuts<'a> {
+    /// Opens the textures of all materials with a cut-off.
+    pub(super) fn new(raw: &'a RawScene) -> Self {
+        let open = |(index, material): (usize, &Material)| {
+            material.cut_off?;
+            Some((index as u32, mip_map(raw, material)?))
+        };
+        Self {
+            raw,
+            maps: raw.materials.iter().enumerate().filter_map(open).collect(),
+        }
+    }
+
+    /// Whether more of the polygon is cut away than is there.
+    pub(super) fn is_away(&self, polygon: &RawPolygon) -> bool {
+        let Some(map) = self.maps.get(&polygon.material) else {
+            return false;
+        };
+        let (positions, uvs) = (&self.raw.positions, &self.raw.uvs);
+        let [first, rest @ ..] = &polygon.corners[..] else {
+            return false;
+        };
+        if uvs.len() != positions.len() {
+            return false;
+        }
+        let (mut there, mut all) = (0.0, 0.0);
+        for pair in rest.windows(2) {
+            let t = [*first, pair[0], pair[1]].map(|c| c as usize);
+            let size = area(t.map(|c| positions[c]));
+            there += map.mean(t.map(|c| uvs[c])).coverage * size;
+            all += size;
+        }
+        there < AWAY_BELOW * all
+    }
+}

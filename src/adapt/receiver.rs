@@ -138,7 +138,7 @@ impl Receiver {
 
     /// A viewpoint on this side at frame coordinates `p`.
     pub fn view(&self, p: DVec2) -> Viewpoint {
-        Viewpoint::new(self.domain.frame.to_space(p), self.domain.normal)
+        self.domain.view(p)
     }
 
     /// Direct and indirect irradiance at a point of the plane.

@@ -6,6 +6,7 @@ use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EmitterId, FaceSide, Scene};
 use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// A convex piece of an emitting side.
 #[derive(Clone, Debug)]
@@ -27,6 +28,34 @@ impl EmitterPolygon {
             plane: self.plane,
         }
     }
+}
+
+/// The form factor of a piece above the horizon of `view`.
+///
+/// On a curved surface the cosine is taken from its own normal, and is zero where negative: the piece is clipped to that
+/// normal's half-space as well. A point of a tessellated sphere then has the irradiance of the sphere, except where its
+/// facet and the sphere do not agree on what is above the horizon; that difference vanishes with the facets' size.
+fn weight(view: &Viewpoint, piece: &[DVec3]) -> f64 {
+    if view.shading == view.horizon.normal {
+        return form_factor_of_directions(view.shading, piece);
+    }
+    let height = |d: DVec3| view.shading.dot(d);
+    let mut above: SmallVec<[DVec3; 8]> = SmallVec::new();
+    let Some(&last) = piece.last() else {
+        return 0.0;
+    };
+    let mut a = last;
+    for &b in piece {
+        let (from, to) = (height(a), height(b));
+        if (from < 0.0) != (to < 0.0) {
+            above.push(a + (b - a) * (from / (from - to)));
+        }
+        if to >= 0.0 {
+            above.push(b);
+        }
+        a = b;
+    }
+    form_factor_of_directions(view.shading, &above)
 }
 
 /// Everything needed to evaluate light straight from the emitters.
@@ -77,7 +106,7 @@ impl<'a> DirectLight<'a> {
                 view,
                 polygon.target(),
                 |piece| {
-                    f += form_factor_of_directions(view.horizon.normal, piece);
+                    f += weight(view, piece);
                 },
             );
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
@@ -103,7 +132,7 @@ impl<'a> DirectLight<'a> {
         for polygon in &self.polygons {
             let mut f = 0.0;
             scratch.visible_pieces(self.blockers, view, polygon.target(), |piece| {
-                f += form_factor_of_directions(view.horizon.normal, piece);
+                f += weight(view, piece);
             });
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
         }

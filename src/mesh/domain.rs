@@ -5,8 +5,9 @@ use super::{
     Arrangement, Grid, GridPoint, MeshError, Segment, Sites, arrange, inside, sectors, triangulate,
 };
 use crate::discontinuity::Discontinuity;
-use crate::geom::{PlaneFrame, Polygon2};
+use crate::geom::{AffineMap, PlaneFrame, Polygon2};
 use crate::scene::{EdgeId, FaceId, FaceSide, Scene, VertexId};
+use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
 
 /// A stretch of the face's outline along one edge of the scene.
@@ -29,6 +30,8 @@ pub struct FaceDomain {
     pub grid: Grid,
     /// Unit normal of the lit side.
     pub normal: DVec3,
+    /// The normal of the curved surface that the face stands for, on its front, if there is one.
+    shading: Option<AffineMap<3>>,
     outline: Vec<OutlineEdge>,
     polygon: Polygon2,
     corners: Vec<(GridPoint, VertexId)>,
@@ -87,6 +90,7 @@ impl FaceDomain {
             frame: f.frame,
             grid,
             normal: scene.normal(face, side),
+            shading: f.shading,
             outline,
             polygon: f.outline.clone(),
             corners,
@@ -107,6 +111,18 @@ impl FaceDomain {
                 .collect(),
             lines: candidates.iter().map(flat).collect(),
             weld_distance: scene.weld_distance,
+        }
+    }
+
+    /// A viewpoint on the lit side at frame coordinates `p`, metres, with the normal of the curved surface if there is one.
+    pub fn view(&self, p: DVec2) -> Viewpoint {
+        let position = self.frame.to_space(p);
+        let curved = self
+            .shading
+            .and_then(|map| DVec3::from(map.at(position)).try_normalize());
+        match curved {
+            Some(normal) => Viewpoint::on_curve(position, self.normal, normal * self.side.sign()),
+            None => Viewpoint::new(position, self.normal),
         }
     }
 

@@ -5,6 +5,7 @@
 //! lacks: the elements along the edge are divided there, which changes no other element.
 
 use super::Solution;
+use super::smooth::{self, SeamKey};
 use crate::adapt::{Illumination, Receiver};
 use crate::lit_scene::LitMesh;
 use crate::mesh::{EdgeSource, VertexOrigin, barycentric};
@@ -19,12 +20,17 @@ type Stations = IdVec<EdgeId, Vec<f64>>;
 pub(super) fn lit_meshes(solution: &Solution) -> Vec<LitMesh> {
     let scene = &solution.world.scene;
     let stations = stations(scene, &solution.receivers);
-    solution
-        .receivers
-        .iter()
-        .filter(|r| !r.mesh.elements.is_empty())
-        .map(|r| Builder::new(solution, &stations, r).build())
-        .collect()
+    let shown = solution.receivers.iter();
+    let shown = shown.filter(|r| !r.mesh.elements.is_empty());
+    let (mut meshes, mut seams) = (Vec::new(), Vec::new());
+    for r in shown {
+        let (mesh, touches) = Builder::new(solution, &stations, r).build();
+        let index = meshes.len();
+        seams.extend(touches.into_iter().map(|(key, v)| (key, (index, v))));
+        meshes.push(mesh);
+    }
+    smooth::share(&mut meshes, seams);
+    meshes
 }
 
 fn stations(scene: &Scene, receivers: &[Receiver]) -> Stations {
@@ -69,6 +75,8 @@ struct Builder<'a> {
     receiver: &'a Receiver,
     plane: Vec<DVec2>,
     out: LitMesh,
+    /// Vertices on edges inside curved surfaces.
+    touches: Vec<(SeamKey, Corner)>,
 }
 
 /// A corner on the way round an element: its vertex in `out`, and where it stands.
@@ -118,10 +126,11 @@ impl<'a> Builder<'a> {
             stations,
             receiver,
             out,
+            touches: Vec::new(),
         }
     }
 
-    fn build(mut self) -> LitMesh {
+    fn build(mut self) -> (LitMesh, Vec<(SeamKey, Corner)>) {
         let mesh = &self.receiver.mesh;
         for e in 0..mesh.elements.len() {
             let between = [0, 1, 2].map(|k| self.missing(e, k));
@@ -140,7 +149,7 @@ impl<'a> Builder<'a> {
                 t.swap(1, 2);
             }
         }
-        self.out
+        (self.out, self.touches)
     }
 
     /// The stations strictly between the ends of edge `k` of element `e`, from its start to its end, as new vertices.
@@ -177,7 +186,19 @@ impl<'a> Builder<'a> {
         if from > to {
             inner.reverse();
         }
-        inner.into_iter().map(|t| self.insert(e, edge, t)).collect()
+        let new: Vec<Corner> = inner.iter().map(|&t| self.insert(e, edge, t)).collect();
+        let is_contact = |s: &EdgeSource| matches!(s, EdgeSource::Contact(_));
+        if scene.edges[edge].is_smooth && !mesh.labels[label as usize].iter().any(is_contact) {
+            let sites = mesh.sites[e];
+            let ends = [(from, sites[k]), (to, sites[(k + 1) % 3])];
+            let side = self.receiver.domain.side;
+            self.touches.extend(SeamKey::along(edge, side, &ends));
+            for (&t, &v) in inner.iter().zip(&new) {
+                self.touches
+                    .extend(SeamKey::at(edge, side, t).map(|key| (key, v)));
+            }
+        }
+        new
     }
 
     /// A new vertex on the border of element `e`, with its own exact light.

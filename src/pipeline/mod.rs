@@ -8,6 +8,7 @@ mod lines;
 mod measure;
 mod mesh_edges;
 mod probe;
+mod smooth;
 mod summary;
 
 pub use convergence::{

@@ -118,7 +118,8 @@ pub fn probe_exact(
                     Some(&(face, side)) => {
                         let frame = &scene.faces[face].frame;
                         let foot = frame.to_space(frame.to_plane(local));
-                        Viewpoint::new(foot, scene.normal(face, side))
+                        let shading = scene.faces[face].shading_normal(foot) * side.sign();
+                        Viewpoint::on_curve(foot, scene.normal(face, side), shading)
                     }
                     None => Viewpoint::new(local, sensor.normal),
                 };

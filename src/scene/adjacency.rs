@@ -1,6 +1,11 @@
 //! Edges and the faces along them.
 
 use super::{Edge, EdgeId, EdgeUse, Face, FaceId, IdVec, VertexId};
+use glam::DVec3;
+
+/// Shading normals of two facets that differ by less than this are one, radians (1°): exporters store them in as few as
+/// eight bits a component.
+const SAME_NORMAL: f64 = std::f64::consts::PI / 180.0;
 
 /// All edges of the faces' loops, sorted by their ends; fills in each face's `loop_edges`.
 pub(super) fn connect(faces: &mut IdVec<FaceId, Face>) -> IdVec<EdgeId, Edge> {
@@ -35,12 +40,33 @@ pub(super) fn connect(faces: &mut IdVec<FaceId, Face>) -> IdVec<EdgeId, Edge> {
                     is_forward: u.is_forward,
                 })
                 .collect(),
+            is_smooth: false,
         });
         for u in along {
             faces[u.face].loop_edges[u.loop_index][u.at] = id;
         }
     }
     edges
+}
+
+/// Marks the edges inside curved surfaces.
+pub(super) fn mark_smooth(
+    edges: &mut IdVec<EdgeId, Edge>,
+    faces: &IdVec<FaceId, Face>,
+    vertices: &IdVec<VertexId, DVec3>,
+) {
+    for id in edges.ids() {
+        let edge = &mut edges[id];
+        let &[a, b] = edge.uses.as_slice() else {
+            continue;
+        };
+        let (f, g) = (&faces[a.face], &faces[b.face]);
+        let is_curved = f.shading.is_some() || g.shading.is_some();
+        let is_same = |p: DVec3| f.shading_normal(p).distance(g.shading_normal(p)) <= SAME_NORMAL;
+        edge.is_smooth = a.is_forward != b.is_forward
+            && is_curved
+            && edge.ends.iter().all(|&v| is_same(vertices[v]));
+    }
 }
 
 /// One step of one loop; the order of the fields is the order of edges and of their uses.

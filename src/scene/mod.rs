@@ -58,6 +58,9 @@ pub struct Edge {
     pub ends: [VertexId; 2],
     /// Every face that runs along it.
     pub uses: Vec<EdgeUse>,
+    /// Whether it only divides one curved surface into facets: two faces run along it, in one surface with one shading
+    /// normal at each of its ends. It is no crease, neither to the eye nor to the light.
+    pub is_smooth: bool,
 }
 
 /// One face along an edge.

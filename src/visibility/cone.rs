@@ -25,6 +25,9 @@ pub struct Viewpoint {
     pub position: DVec3,
     /// The plane it lies in, normal towards the side it looks to.
     pub horizon: Plane,
+    /// Unit normal that light is weighed by: that of the curved surface which the plane stands for. What is below the
+    /// plane is hidden all the same, and what is behind this normal has no weight.
+    pub shading: DVec3,
 }
 
 impl Viewpoint {
@@ -33,6 +36,15 @@ impl Viewpoint {
         Self {
             position,
             horizon: Plane::new(position, normal),
+            shading: normal,
+        }
+    }
+
+    /// The same on a plane that stands for a curved surface with unit normal `shading` there.
+    pub fn on_curve(position: DVec3, normal: DVec3, shading: DVec3) -> Self {
+        Self {
+            shading,
+            ..Self::new(position, normal)
         }
     }
 }

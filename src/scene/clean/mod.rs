@@ -30,7 +30,7 @@ mod weld;
 
 pub use report::CleanReport;
 
-use super::adjacency::connect;
+use super::adjacency::{connect, mark_smooth};
 use super::{Emitter, Face, FaceId, FaceSide, IdVec, Material, RawScene, Scene, VertexId};
 use crate::bad_input::BadInput;
 use crate::warning::Warning;
@@ -209,7 +209,8 @@ fn assemble(
     tolerances: &Tolerances,
     diagonal: f64,
 ) -> Scene {
-    let edges = connect(&mut faces);
+    let mut edges = connect(&mut faces);
+    mark_smooth(&mut edges, &faces, &vertices);
     Scene {
         source: raw.source.clone(),
         origin,

@@ -12,6 +12,7 @@
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `metamorphic`: what must not change when the scene is turned, moved, scaled or reordered.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
+//! - `robust`: broken files are read, or refused in one line.
 //! - `smooth`: facets of a curved surface are lit as the surface is, and do not show.
 //! - `textures`: what light sees of textures, and what the lit file holds of them.
 
@@ -30,5 +31,6 @@ mod layering;
 mod lines;
 mod metamorphic;
 mod references;
+mod robust;
 mod smooth;
 mod textures;

@@ -1,8 +1,9 @@
 //! Facets of a curved surface made to show one light along their common edges.
 //!
 //! Each facet is lit by itself: by the surface's normal, but with its own horizon, and its indirect light by its own
-//! plane. Where two facets meet, both have a vertex in the same place; the mean of what they found is the light of the
-//! surface there, and no facet shows. Across a shadow's sharp border nothing is mixed: a vertex where a contact line meets
+//! plane. Where facets meet, each has a vertex in the same place. The light of the surface there is what the facet found that
+//! sees most: a facet that turns its back to a lamp sees nothing of it, though its surface bends towards it at that vertex,
+//! and the next facet sees it whole. So all have one light, and no facet shows. Across a shadow's sharp border nothing is mixed: a vertex where a contact line meets
 //! the edge has a value for either part of the edge, and each finds its like on the other facet.
 
 use crate::lit_scene::LitMesh;
@@ -50,7 +51,8 @@ impl SeamKey {
 /// A vertex of one of the meshes.
 type Node = (usize, u32);
 
-/// Gives all vertices that meet in a key, or by way of each other's keys, the mean of their irradiance and of their normals.
+/// Gives all vertices that meet in a key, or by way of each other's keys, the largest irradiance found and the mean of their
+/// normals.
 pub(super) fn share(meshes: &mut [LitMesh], mut seams: Vec<(SeamKey, Node)>) {
     seams.sort_unstable();
     seams.dedup();
@@ -70,18 +72,19 @@ pub(super) fn share(meshes: &mut [LitMesh], mut seams: Vec<(SeamKey, Node)>) {
         groups.entry(first).or_default().push(node);
     }
     for group in groups.values().filter(|group| group.len() > 1) {
-        let mut sum = Irradiance::ZERO;
-        for &(mesh, v) in group {
-            sum += meshes[mesh].irradiance[v as usize];
-        }
-        let mean = sum * (1.0 / group.len() as f64);
+        let found = |&(mesh, v): &Node| meshes[mesh].irradiance[v as usize];
+        let most = group
+            .iter()
+            .map(found)
+            .reduce(|a, b| if b.mean() > a.mean() { b } else { a });
+        let most = most.unwrap_or(Irradiance::ZERO);
         let normals = group
             .iter()
             .map(|&(mesh, v)| meshes[mesh].normal_at(v as usize));
         let normal = normals.sum::<DVec3>().normalize_or_zero();
         for &(mesh, v) in group {
             let mesh = &mut meshes[mesh];
-            mesh.irradiance[v as usize] = mean;
+            mesh.irradiance[v as usize] = most;
             if let Some(own) = mesh.normals.get_mut(v as usize) {
                 *own = normal;
             }

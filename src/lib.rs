@@ -34,7 +34,6 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use umbrage::pipeline::{World, light};
 //! use umbrage::quantity::{Radiance, Rgb};
 //! use umbrage::scene::{Material, RawPolygon, RawScene};
 //! use umbrage::settings::Settings;
@@ -63,17 +62,17 @@
 //! };
 //!
 //! let settings = Settings { error: 0.02, ..Settings::default() };
-//! let world = World::new(&raw, &settings)?;
-//! let solution = light(&world, &settings, &mut |_stage, _done| {})?;
-//! assert!(solution.summary.measured.relative_rms < 0.02);
+//! let baked = umbrage::bake(&raw, &settings)?;
+//! assert!(baked.summary.measured.relative_rms < 0.02);
 //!
-//! let glb = umbrage::io::write_glb(&solution.lit_scene());
+//! let glb = umbrage::io::write_glb(&baked.scene);
 //! assert!(glb.starts_with(b"glTF"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod adapt;
 pub mod bad_input;
+mod bake;
 pub mod compare;
 pub mod direct;
 pub mod discontinuity;
@@ -90,3 +89,5 @@ pub mod settings;
 pub mod texture;
 pub mod visibility;
 pub mod warning;
+
+pub use bake::{Baked, bake};

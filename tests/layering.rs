@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last stage; those on one line do not use each other, but for their own.
-const RANKS: [&[&str]; 16] = [
+const RANKS: [&[&str]; 17] = [
     &["bad_input", "warning", "quantity"],
     &["geom"],
     &["texture"],
@@ -17,6 +17,7 @@ const RANKS: [&[&str]; 16] = [
     &["settings"],
     &["lit_scene"],
     &["pipeline"],
+    &["bake"],
     &["render"],
     &["io"],
     &["compare", "report"],

@@ -31,7 +31,7 @@ pub(super) enum Command {
 }
 
 /// How a scene is read and lit.
-#[derive(Debug, ClapArgs)]
+#[derive(Clone, Debug, ClapArgs)]
 pub(super) struct SceneArgs {
     /// Scene: .obj (with .mtl), .gltf or .glb; the built-in Cornell box when left out
     pub(super) scene: Option<PathBuf>,

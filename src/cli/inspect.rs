@@ -75,6 +75,7 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         .map(PathBuf::as_path)
         .collect();
     options::check_outputs(scene, &outputs)?;
+    options::use_threads(scene.threads)?;
     let prepared = lighting::prepare(scene, Exposure::Auto)?;
     // A wrong name is told before the work, not after it.
     let side = match args.side {

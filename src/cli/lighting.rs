@@ -21,7 +21,6 @@ pub(super) struct Prepared {
 
 /// Reads and cleans the scene that the arguments name, and tells of its warnings.
 pub(super) fn prepare(args: &SceneArgs, exposure: Exposure) -> anyhow::Result<Prepared> {
-    options::use_threads(args.threads)?;
     let settings = options::settings(args, exposure)?;
     let start = Instant::now();
     let raw = options::scene(args)?;

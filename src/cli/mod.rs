@@ -5,6 +5,7 @@ mod bake;
 mod compare;
 mod fault;
 mod inspect;
+mod interrupt;
 mod lighting;
 mod memory;
 mod options;
@@ -46,6 +47,7 @@ pub(crate) fn main() -> ExitCode {
         // Help and version are what was asked for.
         Err(text) => return exit_code(terminal::print(&text.to_string()).map(|()| Outcome::Done)),
     };
+    interrupt::clean_up_when_interrupted();
     match fault::caught(|| run(&args.command)) {
         Ok(result) => exit_code(result),
         Err(fault) => {

@@ -98,6 +98,7 @@ fn readings(
     outputs: &[&Path],
 ) -> anyhow::Result<Vec<Reading>> {
     let scene = &args.scene;
+    options::use_threads(scene.threads)?;
     let prepared = lighting::prepare(scene, Exposure::Auto)?;
     let world = &prepared.world;
     let has_indirect =

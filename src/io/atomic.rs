@@ -5,6 +5,10 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Files that are being written, under their names for the time being.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Tells the files that one process writes at the same time from each other.
 static NEXT: AtomicU32 = AtomicU32::new(0);
@@ -38,15 +42,41 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), BadInput> {
 
 fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<()> {
     let (mut file, beside) = create_beside(target)?;
+    let beside = Unfinished(beside);
     let done = file
         .write_all(bytes)
         .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&beside, target));
+        .and_then(|()| fs::rename(&beside.0, target));
     if done.is_err() {
         // The first error is the one to tell; that the remains could not be removed either adds nothing to it.
-        let _ = fs::remove_file(&beside);
+        let _ = fs::remove_file(&beside.0);
     }
     done
+}
+
+/// A file that is listed as unfinished as long as this lives.
+struct Unfinished(PathBuf);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what [`write_atomically`] is writing at this moment, for a program that is about to be ended from outside.
+///
+/// Nothing can be written any more afterwards: calls that are under way, or come later, wait for ever.
+pub fn remove_unfinished() {
+    let list = unfinished();
+    for path in list.iter() {
+        let _ = fs::remove_file(path);
+    }
+    // Kept locked: a file created from here on would not be removed.
+    std::mem::forget(list);
 }
 
 fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
@@ -59,8 +89,12 @@ fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
             .to_os_string();
         name.push(format!(".tmp-{:x}-{number:x}", std::process::id()));
         let beside = target.with_file_name(name);
+        let mut list = unfinished();
         match File::create_new(&beside) {
-            Ok(file) => return Ok((file, beside)),
+            Ok(file) => {
+                list.push(beside.clone());
+                return Ok((file, beside));
+            }
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,
             Err(error) => return Err(error),
         }
@@ -145,6 +179,18 @@ mod tests {
         fs::create_dir(&taken).unwrap();
         assert!(write_beside(&taken, b"x").is_err());
         assert_eq!(names(folder.path()), ["taken"]);
+    }
+
+    #[test]
+    fn unfinished_files_are_known_until_they_are_done() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, beside) = create_beside(&folder.path().join("out.glb")).unwrap();
+        assert!(unfinished().contains(&beside));
+        drop(Unfinished(beside.clone()));
+        assert!(!unfinished().contains(&beside));
+        write_atomically(&folder.path().join("out.glb"), b"x").unwrap();
+        let is_ours = |path: &PathBuf| path.starts_with(folder.path());
+        assert!(!unfinished().iter().any(is_ours));
     }
 
     #[cfg(unix)]

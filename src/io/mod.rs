@@ -19,7 +19,7 @@ mod png;
 mod sensor_list;
 mod units;
 
-pub use atomic::write_atomically;
+pub use atomic::{remove_unfinished, write_atomically};
 pub use face_svg::face_svg;
 pub use gltf_lines::{LineSet, write_lines_glb};
 pub use gltf_write::write_glb;

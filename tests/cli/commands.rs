@@ -185,3 +185,72 @@ fn help_and_version_are_no_errors() {
         format!("umbrage {}", env!("CARGO_PKG_VERSION"))
     );
 }
+
+#[test]
+fn many_scenes_are_baked_and_a_broken_one_stops_none() {
+    let folder = Folder::new();
+    folder.write("bad.obj", "v 0 0 nan\n");
+    std::fs::copy(small(), folder.path("a.obj")).expect("a copy");
+    let library = std::path::Path::new(&small()).with_extension("mtl");
+    if let Some(name) = library.file_name().filter(|_| library.is_file()) {
+        std::fs::copy(&library, folder.path(&name.to_string_lossy())).expect("a copy");
+    }
+    let run = folder.run(&format!(
+        "bake a.obj bad.obj {} -o lit/ --error 0.1 --quiet",
+        small()
+    ));
+    assert_eq!(run.code, Some(2), "{}", run.err);
+    let errors: Vec<&str> = run.err.lines().collect();
+    assert_eq!(errors.len(), 2, "{}", run.err);
+    assert!(errors[0].starts_with("error: bad.obj:1: "), "{}", run.err);
+    assert!(
+        errors[1].contains("1 of 3 scenes were not baked"),
+        "{}",
+        run.err
+    );
+    let mut names: Vec<_> = std::fs::read_dir(folder.path("lit"))
+        .expect("the folder was made")
+        .map(|e| {
+            e.expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    assert_eq!(names, ["a.lit.glb", "square-over-square.lit.glb"]);
+    // Each is what it is by itself.
+    folder.done("bake a.obj -o alone.glb --error 0.1 --quiet");
+    assert!(folder.read("alone.glb") == folder.read("lit/a.lit.glb"));
+    folder.done("bake a.obj -o one/ --error 0.1 --quiet");
+    assert!(folder.path("one/a.lit.glb").is_file());
+}
+
+#[test]
+fn many_scenes_need_names_of_their_own() {
+    let folder = Folder::new();
+    folder.write("a.obj", "v 0 0 0\n");
+    folder.refused("bake a.obj ./a.obj -o lit/", "is named for two results");
+    folder.refused("bake a.obj b.obj --png a.png", "--png: names one file");
+    folder.refused("bake a.obj b.obj --json a.json", "--json: names one file");
+    folder.write("taken", "");
+    folder.refused("bake a.obj b.obj -o taken", "cannot be made a folder");
+    assert_eq!(folder.names(), ["a.obj", "taken"]);
+}
+
+/// Interrupted while it works, the program ends as shells expect, and leaves nothing.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_bake_leaves_nothing() {
+    let folder = Folder::new();
+    let args = ["bake", "--error", "0.0005", "-o", "out.glb", "--quiet"];
+    let mut child = folder.command(args).spawn().expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.expect("a shell's kill").success());
+    let status = child.wait().expect("the program ends");
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(folder.names(), [""; 0]);
+}

@@ -2,6 +2,7 @@
 
 mod gltf_files;
 mod gltf_hostile;
+mod gltf_modern;
 mod obj_files;
 
 use super::*;

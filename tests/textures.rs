@@ -215,3 +215,27 @@ fn lists_that_do_not_belong_together_are_refused() {
     assert!(refused(|raw| raw.uvs[3].x = f64::NAN).contains("not finite"));
     assert!(refused(|raw| raw.textures.clear()).contains("\"tile\" refers to a texture"));
 }
+
+#[test]
+fn emission_follows_its_texture_and_dark_parts_are_no_emitters() {
+    // Tiles that show the white half, the black half, a half of either, and all.
+    let shown = [(0.0, 0.5), (1.0, -0.5), (0.25, 0.5), (0.0, 1.0)];
+    let mut raw = tiles(|i, p| DVec2::new(shown[i].0 + shown[i].1 * p.x, p.y));
+    raw.materials[0].texture = None;
+    raw.materials[0].emission_texture = Some(0);
+    raw.materials[0].emission = Radiance(Rgb::new(4.0, 2.0, 1.0));
+    let world = world(&raw);
+    let mut found: Vec<f64> = world
+        .scene
+        .faces
+        .iter()
+        .filter(|(_, f)| f.uv.is_some())
+        .map(|(_, f)| f.emission.0.0.x)
+        .collect();
+    found.sort_by(f64::total_cmp);
+    for (found, wanted) in found.iter().zip([0.0, 2.0, 2.0, 4.0]) {
+        assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
+    }
+    // The lamp, and all tiles but the black one.
+    assert_eq!((found.len(), world.scene.emitters.len()), (4, 4));
+}

@@ -72,7 +72,7 @@ impl<'a> DirectLight<'a> {
         let mut polygons = Vec::new();
         for (id, emitter) in scene.emitters.iter() {
             let face = &scene.faces[emitter.face];
-            let exitance = Exitance::from_radiance(scene.material_of(emitter.face).emission);
+            let exitance = Exitance::from_radiance(face.emission);
             let normal = scene.normal(emitter.face, emitter.side);
             for part in &face.convex_parts {
                 let mut corners: Vec<DVec3> = part.iter().map(|&v| scene.vertices[v]).collect();

@@ -260,12 +260,23 @@ impl Builder<'_> {
         if let Some(known) = self.material_of[slot] {
             return Ok(known);
         }
-        let (mut material, texture) =
+        let (mut material, textures) =
             material::convert(source, self.place, &mut self.scene.warnings)?;
         let mut uv = None;
-        if let Some(info) = texture {
-            material.texture = self.texture(&info.texture(), &material.name)?;
-            uv = material.texture.map(|_| texture::UvSource::of(&info));
+        if let Some(info) = textures.emissive.filter(|_| material.is_emitter()) {
+            let what = "emissive";
+            material.emission_texture = self.texture(&info.texture(), &material.name, what)?;
+            uv = material
+                .emission_texture
+                .map(|_| texture::UvSource::of(&info));
+        }
+        if let Some(info) = textures.base {
+            let what = "base colour";
+            material.texture = self.texture(&info.texture(), &material.name, what)?;
+            uv = material
+                .texture
+                .map(|_| texture::UvSource::of(&info))
+                .or(uv);
         }
         let index = index_u32(self.scene.materials.len(), self.place)?;
         self.scene.materials.push(material);
@@ -279,6 +290,7 @@ impl Builder<'_> {
         &mut self,
         source: &gltf::Texture<'_>,
         material: &str,
+        what: &str,
     ) -> Result<Option<u32>, BadInput> {
         if let Some(known) = self.texture_of[source.index()] {
             return Ok(known);
@@ -290,7 +302,7 @@ impl Builder<'_> {
             }
             Err(why) => {
                 let message = format!(
-                    "material \"{material}\": its base colour texture {why}; the factor alone is used"
+                    "material \"{material}\": its {what} texture {why}; the factor alone is used"
                 );
                 self.scene.warnings.push(Warning::new(self.place, message));
                 None

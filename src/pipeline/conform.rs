@@ -87,7 +87,6 @@ impl<'a> Builder<'a> {
         let scene = &solution.world.scene;
         let (face, side) = (receiver.domain.face, receiver.domain.side);
         let f = &scene.faces[face];
-        let material = scene.material_of(face);
         let emits = scene
             .emitters
             .iter()
@@ -99,7 +98,7 @@ impl<'a> Builder<'a> {
             normal: scene.normal(face, side),
             reflectance: f.reflectance,
             exitance: if emits {
-                Exitance::from_radiance(material.emission)
+                Exitance::from_radiance(f.emission)
             } else {
                 Exitance::ZERO
             },

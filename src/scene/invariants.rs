@@ -18,7 +18,7 @@ impl Scene {
         }
         self.check_edges()?;
         for (id, emitter) in self.emitters.iter() {
-            if !self.material_of(emitter.face).is_emitter() {
+            if self.faces[emitter.face].emission.0.is_black() {
                 return Err(format!("emitter {id}: face {} is dark", emitter.face));
             }
         }

@@ -14,7 +14,7 @@ pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
 pub use raw::{Camera, Material, PunctualKind, PunctualLight, RawPolygon, RawScene};
 
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};
-use crate::quantity::Rgb;
+use crate::quantity::{Radiance, Rgb};
 use crate::texture::Texture;
 use glam::{DVec2, DVec3};
 
@@ -100,6 +100,8 @@ pub struct Face {
     pub shading: Option<AffineMap<3>>,
     /// Mean diffuse reflectance, 0…1 a channel: of the material, with the part of its texture that the face shows.
     pub reflectance: Rgb,
+    /// Mean emitted radiance, W/(m² sr), likewise.
+    pub emission: Radiance,
 }
 
 impl Face {

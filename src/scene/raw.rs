@@ -56,8 +56,10 @@ pub struct Material {
     pub texture: Option<u32>,
     /// Texels whose opacity (0…1) is below this are not there.
     pub cut_off: Option<f64>,
-    /// Emitted radiance, W/(m² sr).
+    /// Emitted radiance, W/(m² sr); where there is a texture for it, the factor of its texels.
     pub emission: Radiance,
+    /// Index into [`RawScene::textures`] of the texture that the emission follows, by the coordinates of the other one.
+    pub emission_texture: Option<u32>,
     /// Whether light passes as if the surface were not there.
     pub is_see_through: bool,
     /// Whether the back reflects (and receives) as the front does.

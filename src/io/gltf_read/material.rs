@@ -24,7 +24,14 @@ pub(super) struct Converted {
     pub(super) uv: Option<UvSource>,
 }
 
-/// The material as light sees it, still without its texture, which comes beside it.
+/// The textures of a material, looked up with the same coordinates.
+#[derive(Default)]
+pub(super) struct Textures<'a> {
+    pub(super) base: Option<gltf::texture::Info<'a>>,
+    pub(super) emissive: Option<gltf::texture::Info<'a>>,
+}
+
+/// The material as light sees it, still without its textures, which come beside it.
 ///
 /// The base colour is the reflectance of metals too: they scatter as a rough one would. Of the layers that extensions put
 /// on top (coat, sheen, specular colour) a diffuse surface has none; most of a transmitting one is not there.
@@ -32,12 +39,12 @@ pub(super) fn convert<'a>(
     source: &gltf::Material<'a>,
     place: &str,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Option<gltf::texture::Info<'a>>), BadInput> {
+) -> Result<(Material, Textures<'a>), BadInput> {
     let name = match (source.name(), source.index()) {
         (Some(name), _) => name.to_owned(),
         (None, Some(index)) => format!("material {index}"),
         // The standard's white without a name would reflect all light for ever.
-        (None, None) => return Ok((default_material("(none)", false), None)),
+        (None, None) => return Ok((default_material("(none)", false), Textures::default())),
     };
     let base = source.pbr_metallic_roughness();
     let ([r, g, b, alpha], texture) = match source.pbr_specular_glossiness() {
@@ -63,20 +70,34 @@ pub(super) fn convert<'a>(
         reflects_back: source.double_sided(),
         emits_back: source.double_sided(),
         texture: None,
+        emission_texture: None,
         // The factor multiplies the opacity of each texel.
         cut_off: cut_off
             .filter(|_| texture.is_some() && alpha > 0.0)
             .map(|cut_off| f64::from(cut_off / alpha)),
     };
     check_material(place, &material)?;
-    if source.emissive_texture().is_some() {
+    // One set of coordinates belongs to a corner: that of the base colour comes first.
+    let emissive = source.emissive_texture();
+    let other = |info: &gltf::texture::Info<'_>| {
+        let base = texture.as_ref().map(UvSource::of);
+        base.is_some_and(|base| base != UvSource::of(info))
+    };
+    if emissive.as_ref().is_some_and(other) {
         let message = format!(
-            "material \"{}\": the emissive texture is not read, the factor alone is used",
+            "material \"{}\": the emissive texture has coordinates of its own and is not read, the factor alone is used",
             material.name
         );
         warnings.push(Warning::new(place, message));
     }
-    Ok((material, texture))
+    let emissive = emissive.filter(|info| !other(info));
+    Ok((
+        material,
+        Textures {
+            base: texture,
+            emissive,
+        },
+    ))
 }
 
 fn rgb(channels: [f32; 3]) -> Rgb {

@@ -341,3 +341,33 @@ impl Bits {
         }
     }
 }
+
+/// The emissive texture follows the coordinates of the base colour's, or is left out with a warning.
+#[test]
+fn emissive_textures_need_the_coordinates_of_the_base_colour() {
+    let picture = crate::io::write_png(&crate::render::Picture {
+        width: 1,
+        height: 1,
+        pixels: vec![[255; 3]],
+    });
+    for (set, is_read) in [(0, true), (1, false)] {
+        let mut g = Growing::new();
+        let uv = g.floats(&[0., 0., 1., 0., 0., 1.], 3, "VEC2");
+        g.add(
+            &picture,
+            json!({ "componentType": 5121, "count": 1, "type": "SCALAR" }),
+        );
+        let view = g.document["bufferViews"].as_array().unwrap().len() - 1;
+        g.document["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+        g.document["textures"] = json!([{ "source": 0 }]);
+        g.document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uv);
+        let material = &mut g.document["materials"][0];
+        material["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0 });
+        material["emissiveTexture"] = json!({ "index": 0, "texCoord": set });
+        material["emissiveFactor"] = json!([1, 1, 1]);
+        let scene = g.read();
+        assert_eq!(scene.materials[0].emission_texture.is_some(), is_read);
+        assert_eq!(scene.warnings.len(), usize::from(!is_read));
+        assert_eq!((scene.textures.len(), scene.uvs.len()), (1, 3));
+    }
+}

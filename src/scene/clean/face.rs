@@ -7,7 +7,7 @@ use super::piece::{Piece, Positions};
 use super::surface::SurfaceMaps;
 use super::triangulate::triangulate;
 use crate::geom::{AffineMap, Polygon2, newell_normal};
-use crate::quantity::Rgb;
+use crate::quantity::{Radiance, Rgb};
 use crate::scene::Face;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -146,5 +146,6 @@ pub(super) fn face(mut loops: Loops, look: Look, positions: &Positions) -> Optio
         uv: look.uv,
         shading: look.shading,
         reflectance: Rgb::BLACK,
+        emission: Radiance::ZERO,
     })
 }

@@ -235,7 +235,7 @@ fn emitters(
     let mut emitters = IdVec::default();
     for (face, f) in faces.iter() {
         let material = &materials[f.material as usize];
-        if !material.is_emitter() {
+        if f.emission.0.is_black() {
             continue;
         }
         emitters.push(Emitter {

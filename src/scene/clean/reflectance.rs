@@ -1,7 +1,7 @@
-//! What of a texture a face shows, on the mean.
+//! What of its textures a face shows, on the mean.
 
 use super::piece::Positions;
-use crate::quantity::Rgb;
+use crate::quantity::{Radiance, Rgb};
 use crate::scene::{Face, Material, RawPolygon, RawScene};
 use crate::texture::MipMap;
 use glam::{DVec2, DVec3};
@@ -13,12 +13,19 @@ use std::sync::Arc;
 /// all of a face or none of it.
 const AWAY_BELOW: f64 = 0.5;
 
-/// Fills in the reflectance of each face: of its material, times the area mean of the part of its texture that it shows.
+/// A face whose part of an emissive texture has less than this of the factor's radiance is dark: compression leaves black
+/// parts of a picture not quite black, and each emitting face costs its own lines.
+const DARK_BELOW: f64 = 1e-3;
+
+/// Fills in what each face reflects and emits: what its material does, times the area mean of the part of the texture that
+/// it shows.
 ///
 /// One texture is open at a time: at full resolution, a large scene's do not fit the memory in linear light.
 pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene) {
     for face in faces.iter_mut() {
-        face.reflectance = raw.materials[face.material as usize].reflectance;
+        let material = &raw.materials[face.material as usize];
+        face.reflectance = material.reflectance;
+        face.emission = material.emission;
     }
     let shown = |face: &Face| face.uv.is_some().then_some(face.material);
     let mut materials: Vec<u32> = faces.iter().filter_map(shown).collect();
@@ -26,28 +33,35 @@ pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene)
     materials.dedup();
     for index in materials {
         let material = &raw.materials[index as usize];
-        let Some(map) = mip_map(raw, material) else {
-            continue;
-        };
-        faces
-            .par_iter_mut()
-            .filter(|face| face.material == index)
-            .for_each(|face| {
-                if let Some(mean) = mean_over(face, positions, &map) {
-                    face.reflectance = material.reflectance * mean;
+        let mut over_faces = |map: &MipMap, set: fn(&mut Face, &Material, Rgb)| {
+            let of_material = faces.par_iter_mut().filter(|face| face.material == index);
+            of_material.for_each(|face| {
+                if let Some(mean) = mean_over(face, positions, map) {
+                    set(face, material, mean);
                 }
             });
+        };
+        if let Some(map) = mip_map(raw, material.texture, material.cut_off) {
+            over_faces(&map, |face, material, mean| {
+                face.reflectance = material.reflectance * mean;
+            });
+        }
+        let emission = material.emission_texture.filter(|_| material.is_emitter());
+        if let Some(map) = mip_map(raw, emission, None) {
+            over_faces(&map, |face, material, mean| {
+                let emission = Radiance(material.emission.0 * mean);
+                let is_dark = emission.mean() < DARK_BELOW * material.emission.mean();
+                face.emission = if is_dark { Radiance::ZERO } else { emission };
+            });
+        }
     }
 }
 
-/// The texture of a material, and its cut-off, in linear light.
-fn mip_map(raw: &RawScene, material: &Material) -> Option<MipMap> {
-    let texture = raw.textures.get(material.texture? as usize)?;
-    Some(MipMap::new(
-        Arc::clone(&texture.texels),
-        texture.wrap,
-        material.cut_off,
-    ))
+/// A texture of the scene in linear light.
+fn mip_map(raw: &RawScene, texture: Option<u32>, cut_off: Option<f64>) -> Option<MipMap> {
+    let texture = raw.textures.get(texture? as usize)?;
+    let texels = Arc::clone(&texture.texels);
+    Some(MipMap::new(texels, texture.wrap, cut_off))
 }
 
 /// Mean colour over a face, by its triangles; none without texture coordinates or with nothing there.
@@ -79,7 +93,10 @@ impl<'a> CutOuts<'a> {
     pub(super) fn new(raw: &'a RawScene) -> Self {
         let open = |(index, material): (usize, &Material)| {
             material.cut_off?;
-            Some((index as u32, mip_map(raw, material)?))
+            Some((
+                index as u32,
+                mip_map(raw, material.texture, material.cut_off)?,
+            ))
         };
         Self {
             raw,

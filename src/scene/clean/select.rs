@@ -132,8 +132,9 @@ fn check_attributes(raw: &RawScene) -> Result<(), BadInput> {
         ));
     }
     let is_there = |material: &Material| {
-        let index = material.texture.unwrap_or(0) as usize;
-        material.texture.is_none() || index < raw.textures.len()
+        let both = [material.texture, material.emission_texture];
+        let mut named = both.into_iter().flatten();
+        named.all(|index| (index as usize) < raw.textures.len())
     };
     match raw.materials.iter().find(|m| !is_there(m)) {
         Some(material) => Err(bad(format!(

@@ -41,7 +41,8 @@ impl<'a> Corners<'a> {
     }
 
     fn texture(&self, piece: &Piece) -> Option<&'a Texture> {
-        let index = self.raw.materials[piece.material as usize].texture?;
+        let material = &self.raw.materials[piece.material as usize];
+        let index = material.texture.or(material.emission_texture)?;
         self.raw.textures.get(index as usize)
     }
 

@@ -1,12 +1,15 @@
 //! The lit meshes as a viewer gets them: no T-junction, no gap, no overlap, nothing that is not a number, no leak.
 
 use crate::common::bake::{bake, world};
+use crate::common::scenes::fixture;
 use glam::{DVec3, Vec3, Vec3Swizzles};
 use std::collections::{BTreeMap, BTreeSet};
+use umbrage::io::{ReadSettings, read_lit, read_scene, write_glb};
 use umbrage::lit_scene::{LitMesh, LitScene};
 use umbrage::pipeline::{Solution, World};
 use umbrage::radiosity::Bounces;
 use umbrage::scene::{FaceId, Scene};
+use umbrage::settings::Settings;
 
 /// Scenes with shared edges, contacts, covered parts and holes.
 const SCENES: [&str; 5] = [
@@ -245,5 +248,33 @@ fn no_light_leaks_across_a_contact_line() {
             jumps >= 4,
             "the light jumps at {jumps} vertices, {bounces:?}"
         );
+    }
+}
+
+/// Coordinates as land surveyors use them: far more digits before the point than single precision has.
+#[test]
+fn a_scene_far_off_stands_in_the_file_where_it_stood() {
+    let away = DVec3::new(4_500_000.3, 120.7, -560_000.1);
+    let path = fixture("square-over-square");
+    let mut raw = read_scene(&path, &ReadSettings::default()).expect("a fixture");
+    raw.positions.iter_mut().for_each(|p| *p += away);
+    let settings = Settings {
+        error: 0.1,
+        bounces: Bounces::Count(0),
+        ..Settings::default()
+    };
+    let baked = umbrage::bake(&raw, &settings).expect("a bake");
+    let model = read_lit("far.glb", &write_glb(&baked.scene)).expect("our own file");
+    let shown = || model.parts.iter().flat_map(|part| &part.positions);
+    let size = {
+        let [low, high] = model.bounds().expect("surfaces");
+        low.distance(high)
+    };
+    // Each corner of the input is there, to single precision of the scene's size.
+    for p in &raw.positions {
+        let nearest = shown()
+            .map(|q| q.distance(*p))
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < f64::from(f32::EPSILON) * size, "{nearest} m off");
     }
 }

@@ -87,8 +87,8 @@ pub(super) fn select(raw: &RawScene, settings: &CleanSettings) -> Result<Selecti
             "the scene has no polygon that light meets",
         ));
     }
-    let origin = lo.midpoint(hi);
     let diagonal = lo.distance(hi);
+    let origin = local_origin(lo.midpoint(hi), diagonal);
     let largest = lo.abs().max(hi.abs()).max_element();
     let tolerances = tolerances(raw, settings, diagonal, largest)?;
 
@@ -142,6 +142,17 @@ fn check_attributes(raw: &RawScene) -> Result<(), BadInput> {
             material.name
         ))),
         None => Ok(()),
+    }
+}
+
+/// The middle of the scene; far off, the nearest point with coordinates of 32 bits, so that glTF can say where it is.
+fn local_origin(middle: DVec3, diagonal: f64) -> DVec3 {
+    let rounded = middle.as_vec3().as_dvec3();
+    let is_far = rounded.distance(middle) > f64::from(f32::EPSILON) * diagonal;
+    if is_far && rounded.is_finite() {
+        rounded
+    } else {
+        middle
     }
 }
 

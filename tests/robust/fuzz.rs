@@ -131,7 +131,7 @@ fn mutated_files_are_read_or_refused() {
 #[test]
 #[ignore = "minutes"]
 fn many_mutated_files_are_read_or_refused() {
-    for seed in 1..=20 {
-        fuzz(20 * ROUNDS, seed << 32);
+    for seed in 1..=4 {
+        fuzz(10 * ROUNDS, seed << 32);
     }
 }

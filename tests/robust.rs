@@ -3,6 +3,7 @@
 
 mod broken;
 mod fuzz;
+mod pictures;
 mod seeds;
 
 use std::path::{Path, PathBuf};

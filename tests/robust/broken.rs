@@ -1,6 +1,7 @@
 //! Files broken by rule: every value of a document by every kind of wrong one, every field of a header, every word of a
 //! text. The kinds are those that the test suites of validators hold.
 
+use super::pictures::{BASELINE_JPEG, GREY_JPEG, LOSSY_WEBP, PROGRESSIVE_JPEG};
 use super::seeds::{self, Document};
 use super::{Bench, Files, Outcome};
 use serde_json::{Value, json};
@@ -275,6 +276,55 @@ fn every_byte_of_a_picture_may_be_wrong() {
             files.files[2].1[at] = value;
             let case = format!("picture byte {at} = {value}");
             assert_eq!(bench.scene(&files, &case), Outcome::Read, "{case}");
+        }
+    }
+}
+
+/// The document with a picture in the text, in base64.
+fn with_picture(base64: &str) -> Files {
+    let mut document = seeds::document();
+    document.json["images"][0] = json!({ "uri": format!("data:image/x;base64,{base64}") });
+    document.files()
+}
+
+/// Colours of what other programs wrote: left and right, to what compression may lose.
+#[test]
+fn pictures_of_other_programs_have_their_colours() {
+    const LOSS: i32 = 4;
+    let (red, blue, grey) = ([200, 60, 30], [20, 90, 220], [120; 3]);
+    for (base64, left, right) in [
+        (BASELINE_JPEG, red, blue),
+        (PROGRESSIVE_JPEG, red, blue),
+        (GREY_JPEG, grey, grey),
+        (LOSSY_WEBP, red, red),
+    ] {
+        let bench = Bench::new();
+        let (name, bytes) = with_picture(base64).files.swap_remove(0);
+        let path = bench.put(&name, &bytes);
+        let scene = umbrage::io::read_scene(&path, &Default::default()).expect("a whole file");
+        let texels = &scene.textures[0].texels;
+        let row = &texels.rgba[..texels.width as usize];
+        for (found, wanted) in [(row[1], left), (row[row.len() - 2], right)] {
+            let near = |k: usize| (i32::from(found[k]) - wanted[k]).abs() <= LOSS;
+            assert!((0..3).all(near) && found[3] == 255, "{found:?} {wanted:?}");
+        }
+    }
+}
+
+#[test]
+fn every_letter_of_a_picture_in_the_text_may_be_wrong() {
+    let bench = Bench::new();
+    for base64 in [BASELINE_JPEG, PROGRESSIVE_JPEG, GREY_JPEG, LOSSY_WEBP] {
+        for at in 0..base64.len() {
+            for letter in ["A", "z", ""] {
+                let wrong = format!("{}{letter}{}", &base64[..at], &base64[at + 1..]);
+                let case = format!("letter {at} = {letter}");
+                assert_eq!(
+                    bench.scene(&with_picture(&wrong), &case),
+                    Outcome::Read,
+                    "{case}"
+                );
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 //! search there is a break.
 
 mod precision;
+mod random;
 mod recall;
 
 use umbrage::direct::DirectLight;
@@ -13,5 +14,5 @@ use umbrage::pipeline::World;
 /// The lines of a world.
 fn search(world: &World) -> LineMap {
     let light = DirectLight::new(&world.scene, &world.blockers);
-    find_lines(&world.scene, &light)
+    find_lines(&world.scene, &light, 0.0)
 }

@@ -25,7 +25,7 @@ fn lines_on(world: &World, object: &str) -> [FaceLines; 2] {
 
 fn lines_of_face(world: &World, face: FaceId) -> [FaceLines; 2] {
     let light = DirectLight::new(&world.scene, &world.blockers);
-    let mut lines = find_lines(&world.scene, &light);
+    let mut lines = find_lines(&world.scene, &light, 0.0);
     [FaceSide::Front, FaceSide::Back].map(|side| lines.take(face, side))
 }
 

@@ -121,7 +121,7 @@ fn past_face(
         let wedge = chord(apex, &points, plane.normal, tol)
             .and_then(|rim| Wedge::new(Apex::Point(apex), rim, None, tol));
         let Some(wedge) = wedge else { continue };
-        for l in trace::past_edge(&wedge, scene, light.blockers) {
+        for l in trace::past_edge(&wedge, scene, light.blockers).landings {
             let middle = 0.5 * (l.ends[0] + l.ends[1]);
             let view = Viewpoint::new(middle, scene.normal(l.face, l.side));
             let jump = light.unoccluded_from(emitter, &view, &mut scratch).mean();

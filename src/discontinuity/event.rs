@@ -2,14 +2,17 @@
 
 use super::corner::Corners;
 use super::span::LitSpans;
-use super::trace::{self, Landing};
+use super::trace::{self, Landing, Touch, Traced};
 use super::wedge::{Apex, Wedge, side_of_face};
-use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind, SearchReport};
+use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
-use crate::scene::{EdgeId, EmitterId, IdVec, Scene, VertexId};
+use crate::scene::{EdgeId, EdgeUse, EmitterId, IdVec, Scene, VertexId};
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
+
+/// What exceeds a threshold so many times does so whatever rounding did.
+const CLEAR: f64 = 2.0;
 
 /// One emitter vertex against all edges, or one emitter edge against all vertices.
 #[derive(Clone, Copy, Debug)]
@@ -59,33 +62,91 @@ fn is_straight(scene: &Scene, a: VertexId, b: VertexId, c: VertexId) -> bool {
     (b - a).cross(chord).length() <= scene.weld_distance * chord.length()
 }
 
+/// What the wedges of one job found.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) lines: Vec<Discontinuity>,
+    /// Generators of critical surfaces that start at the ends of these lines.
+    pub(super) touches: Vec<Touched>,
+    pub(super) wedges: usize,
+    pub(super) culled: usize,
+}
+
+/// A ray of a wedge, with light along it, that touches another feature.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touched {
+    pub(super) emitter: EmitterId,
+    pub(super) cause: Cause,
+    pub(super) touch: Touch,
+}
+
+impl Found {
+    /// Adds what the rays of the wedge of `cause` touch.
+    pub(super) fn touch(&mut self, emitter: EmitterId, cause: Cause, touches: Vec<Touch>) {
+        let touched = touches.into_iter().map(|touch| Touched {
+            emitter,
+            cause,
+            touch,
+        });
+        self.touches.extend(touched);
+    }
+}
+
 /// What all jobs share.
 pub(super) struct Search<'a> {
-    scene: &'a Scene,
-    light: &'a DirectLight<'a>,
+    pub(super) scene: &'a Scene,
+    pub(super) light: &'a DirectLight<'a>,
+    /// Lines of the second kind below this share of what the whole emitter gives are left out.
+    pub(super) floor: f64,
     /// The edges that meet at each vertex.
-    incident: IdVec<VertexId, Vec<EdgeId>>,
+    pub(super) incident: IdVec<VertexId, Vec<EdgeId>>,
     corners: Corners,
+    /// The edges of each emitter's outline, sorted.
+    rims: IdVec<EmitterId, Vec<EdgeId>>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, light: &'a DirectLight<'a>) -> Self {
+    pub(super) fn new(scene: &'a Scene, light: &'a DirectLight<'a>, floor: f64) -> Self {
         let mut incident = IdVec::from(vec![Vec::new(); scene.vertices.len()]);
         for (id, edge) in scene.edges.iter() {
             for v in edge.ends {
                 incident[v].push(id);
             }
         }
+        let rims = scene
+            .emitters
+            .iter()
+            .map(|(_, e)| {
+                let edges = scene.faces[e.face].loop_edges.iter().flatten();
+                let mut edges: Vec<EdgeId> = edges.copied().collect();
+                edges.sort_unstable();
+                edges
+            })
+            .collect::<Vec<_>>();
         Self {
             scene,
             light,
+            floor,
             incident,
             corners: Corners::new(scene, light.blockers),
+            rims: IdVec::from(rims),
         }
     }
 
+    /// True when the edge belongs to the emitter's outline.
+    pub(super) fn is_rim(&self, emitter: EmitterId, edge: EdgeId) -> bool {
+        self.rims[emitter].binary_search(&edge).is_ok()
+    }
+
+    /// The edge of the emitter's outline with these ends.
+    pub(super) fn rim_edge(&self, emitter: EmitterId, [a, b]: [VertexId; 2]) -> Option<EdgeId> {
+        let ends = [a.min(b), a.max(b)];
+        let mut rim = self.rims[emitter].iter().copied();
+        rim.find(|&e| self.scene.edges[e].ends == ends)
+    }
+
     /// Traces every wedge of one job.
-    pub(super) fn run(&self, job: &Job) -> (Vec<Discontinuity>, SearchReport) {
+    pub(super) fn run(&self, job: &Job) -> Found {
         match *job {
             Job::Vertex {
                 emitter,
@@ -94,6 +155,82 @@ impl<'a> Search<'a> {
             } => past_edges(self, emitter, vertex, neighbours),
             Job::Edge { emitter, ends } => past_vertices(self, emitter, ends),
         }
+    }
+
+    /// False when no ray can graze the vertex: nothing ends there, or a face covers it.
+    pub(super) fn can_be_grazed(&self, vertex: VertexId) -> bool {
+        !self.corners.is_unused(vertex) && !self.corners.is_covered(vertex)
+    }
+
+    /// True when a ray through `eye` that meets the edge clearly passes between its two faces, or comes from between them:
+    /// `eye` lies before both of them or behind both. What is not clear is left to [`is_silhouette`].
+    pub(super) fn is_certainly_no_silhouette(&self, edge: EdgeId, eye: DVec3) -> bool {
+        let scene = self.scene;
+        let e = &scene.edges[edge];
+        let [f, g] = e.uses.as_slice() else {
+            return false;
+        };
+        let [a, b] = e.ends.map(|v| scene.vertices[v]);
+        // A face leaves the plane of eye and edge by this much over the edge's length.
+        let clear = CLEAR * scene.weld_distance * eye.distance(a) / a.distance(b);
+        let height = |u: &EdgeUse| {
+            let h = scene.faces[u.face].frame.plane().distance(eye);
+            if u.is_forward { h } else { -h }
+        };
+        let (f, g) = (height(f), height(g));
+        // Neighbours in a surface run along the edge in opposite senses.
+        (f > clear && g < -clear) || (f < -clear && g > clear)
+    }
+
+    /// False when a ray along `direction` that meets the edge has faces to both sides there.
+    pub(super) fn may_graze(&self, edge: EdgeId, direction: DVec3) -> bool {
+        let [a, b] = self.scene.edges[edge].ends.map(|v| self.scene.vertices[v]);
+        let Some(normal) = (b - a).cross(direction).try_normalize() else {
+            return true;
+        };
+        let plane = Plane::new(a, normal);
+        let sides = |side: i8| {
+            self.scene.edges[edge].uses.iter().any(|u| {
+                let tol = self.scene.weld_distance;
+                side_of_face(self.scene, &plane, edge, u.face, u.is_forward, tol) == side
+            })
+        };
+        !(sides(1) && sides(-1))
+    }
+
+    /// The stretches of a rim from which a ray grazes the faces at a vertex.
+    pub(super) fn grazing(&self, vertex: VertexId, rim: [DVec3; 2]) -> LitSpans {
+        grazing(&self.corners, vertex, self.scene.vertices[vertex], rim)
+    }
+
+    /// True when a face has both the vertex and the edge on its outline.
+    pub(super) fn share_a_face(&self, vertex: VertexId, edge: EdgeId) -> bool {
+        let faces = |e: EdgeId| self.scene.edges[e].uses.iter().map(|u| u.face);
+        self.incident[vertex]
+            .iter()
+            .any(|&e| faces(e).any(|f| faces(edge).any(|g| f == g)))
+    }
+
+    /// True when a silhouette edge at the vertex lies in a plane through it.
+    pub(super) fn runs_in_plane(&self, vertex: VertexId, plane: &Plane) -> bool {
+        let scene = self.scene;
+        self.incident[vertex].iter().any(|&e| {
+            let mut ends = scene.edges[e].ends.iter();
+            ends.all(|&v| plane.distance(scene.vertices[v]).abs() <= scene.weld_distance)
+                && is_silhouette(scene, plane, e)
+        })
+    }
+
+    /// The longest edge at a vertex, metres.
+    pub(super) fn longest_edge_at(&self, vertex: VertexId) -> DVec3 {
+        let along = |&e: &EdgeId| {
+            let [a, b] = self.scene.edges[e].ends.map(|v| self.scene.vertices[v]);
+            b - a
+        };
+        let edges = self.incident[vertex].iter().map(along);
+        edges
+            .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+            .unwrap_or(DVec3::ZERO)
     }
 }
 
@@ -112,29 +249,34 @@ fn past_edges(
     emitter: EmitterId,
     vertex: VertexId,
     neighbours: [VertexId; 2],
-) -> (Vec<Discontinuity>, SearchReport) {
+) -> Found {
     let (scene, light) = (search.scene, search.light);
     let plane = emitter_plane(scene, emitter);
-    let (mut out, mut report) = (Vec::new(), SearchReport::default());
-    let apex = Apex::Vertex(vertex, scene.vertices[vertex]);
+    let mut found = Found::default();
+    let apex_position = scene.vertices[vertex];
+    let apex = Apex::Vertex(vertex, apex_position);
     let tol = scene.weld_distance;
     for (id, edge) in scene.edges.iter() {
         let Some(rim) = in_front(scene, &plane, edge.ends) else {
-            report.culled += 1;
+            found.culled += 1;
             continue;
         };
         if edge.ends.contains(&vertex) {
             continue;
         }
+        if search.is_certainly_no_silhouette(id, apex_position) {
+            found.culled += 1;
+            continue;
+        }
         let wedge = Wedge::new(apex, rim, Some(edge.ends), tol)
             .filter(|w| is_silhouette(scene, &w.plane, id));
         let Some(wedge) = wedge else {
-            report.culled += 1;
+            found.culled += 1;
             continue;
         };
-        report.wedges += 1;
-        let landings = trace::past_edge(&wedge, scene, light.blockers);
-        if landings.is_empty() {
+        found.wedges += 1;
+        let traced = trace::past_edge(&wedge, scene, light.blockers);
+        if traced.is_nothing() {
             continue;
         }
         let order = if neighbours
@@ -152,56 +294,44 @@ fn past_edges(
             order,
             EventKind::Ve,
             cause,
-            landings,
-            &mut out,
+            traced,
+            &mut found,
         );
     }
-    (out, report)
+    found
 }
 
 /// EV wedges of one emitter edge.
-fn past_vertices(
-    search: &Search,
-    emitter: EmitterId,
-    ends: [VertexId; 2],
-) -> (Vec<Discontinuity>, SearchReport) {
+fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId; 2]) -> Found {
     let (scene, light) = (search.scene, search.light);
     let plane = emitter_plane(scene, emitter);
-    let (mut out, mut report) = (Vec::new(), SearchReport::default());
+    let mut found = Found::default();
     let rim = ends.map(|v| scene.vertices[v]);
     let tol = scene.weld_distance;
     for (vertex, &position) in scene.vertices.iter() {
-        let edges = &search.incident[vertex];
         if plane.distance(position) <= tol
             || ends.contains(&vertex)
             || search.corners.is_unused(vertex)
             || search.corners.is_covered(vertex)
         {
-            report.culled += 1;
+            found.culled += 1;
             continue;
         }
         let Some(wedge) = Wedge::new(Apex::Vertex(vertex, position), rim, Some(ends), tol) else {
-            report.culled += 1;
+            found.culled += 1;
             continue;
         };
-        let lit = grazing(&search.corners, vertex, position, rim);
+        let lit = search.grazing(vertex, rim);
         if lit.is_empty() {
-            report.culled += 1;
+            found.culled += 1;
             continue;
         }
-        report.wedges += 1;
-        let landings = trace::past_vertex(&wedge, lit, scene, light.blockers);
-        if landings.is_empty() {
+        found.wedges += 1;
+        let traced = trace::past_vertex(&wedge, lit, scene, light.blockers);
+        if traced.is_nothing() {
             continue;
         }
-        let is_coplanar = edges.iter().any(|&e| {
-            scene.edges[e]
-                .ends
-                .iter()
-                .all(|&v| wedge.plane.distance(scene.vertices[v]).abs() <= tol)
-                && is_silhouette(scene, &wedge.plane, e)
-        });
-        let order = if is_coplanar {
+        let order = if search.runs_in_plane(vertex, &wedge.plane) {
             DiscontinuityOrder::D1
         } else {
             DiscontinuityOrder::D2
@@ -213,11 +343,11 @@ fn past_vertices(
             order,
             EventKind::Ev,
             cause,
-            landings,
-            &mut out,
+            traced,
+            &mut found,
         );
     }
-    (out, report)
+    found
 }
 
 /// The part of an edge in front of the emitter; none when there is none.
@@ -237,7 +367,7 @@ fn in_front(scene: &Scene, plane: &Plane, ends: [VertexId; 2]) -> Option<[DVec3;
 
 /// True when the faces along `edge` that do not lie in `plane` are all on one side of it, and there is one: light
 /// grazes the edge on the other side. A concave edge of a solid never qualifies, a border always does.
-fn is_silhouette(scene: &Scene, plane: &Plane, edge: EdgeId) -> bool {
+pub(super) fn is_silhouette(scene: &Scene, plane: &Plane, edge: EdgeId) -> bool {
     let (mut above, mut below) = (false, false);
     for u in &scene.edges[edge].uses {
         match side_of_face(
@@ -275,18 +405,19 @@ fn push(
     order: DiscontinuityOrder,
     kind: EventKind,
     cause: Cause,
-    landings: Vec<Landing>,
-    out: &mut Vec<Discontinuity>,
+    traced: Traced,
+    found: &mut Found,
 ) {
+    found.touch(emitter, cause, traced.touches);
     let mut scratch = Scratch::default();
-    for l in landings {
+    for l in traced.landings {
         let jump = predicted_jump(search, emitter, &l, &mut scratch)
             * match order {
                 DiscontinuityOrder::D2 => 0.5,
                 _ => 1.0,
             };
         if jump > 0.0 {
-            out.push(Discontinuity {
+            found.lines.push(Discontinuity {
                 face: l.face,
                 side: l.side,
                 ends: l.ends,

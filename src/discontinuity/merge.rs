@@ -8,6 +8,7 @@ use super::{Discontinuity, FaceLines};
 use crate::geom::Polygon2;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Merges the lines of one side of one face and drops those that run along its outline.
 pub(super) fn merge_all(scene: &Scene, lines: &mut FaceLines) {
@@ -80,17 +81,21 @@ fn merge(mut lines: Vec<(Discontinuity, [DVec2; 2])>, tol: f64) -> Vec<Discontin
             .then_with(|| (a.order, a.kind, a.cause).cmp(&(b.order, b.kind, b.cause)))
     });
     let mut classes: Vec<Class> = Vec::new();
+    let mut index = LineIndex::new(&lines, tol);
     for (d, ends) in lines {
-        let home = classes
-            .iter_mut()
-            .find(|c| ends.iter().all(|&e| c.line.locate(e).1 <= tol));
+        let home = index
+            .near(ends)
+            .filter(|&i| ends.iter().all(|&e| classes[i].line.locate(e).1 <= tol))
+            .min();
         match home {
-            Some(c) => {
+            Some(i) => {
+                let c = &mut classes[i];
                 let (a, b) = (c.line.locate(ends[0]).0, c.line.locate(ends[1]).0);
                 c.stretches.push((a.min(b), a.max(b), d));
             }
             None => {
                 let line = Line::new(ends[0], ends[1]);
+                index.add(ends, classes.len());
                 classes.push(Class {
                     from: d.ends[0],
                     to: d.ends[1],
@@ -101,6 +106,80 @@ fn merge(mut lines: Vec<(Discontinuity, [DVec2; 2])>, tol: f64) -> Vec<Discontin
         }
     }
     classes.into_iter().flat_map(|c| c.united(tol)).collect()
+}
+
+/// Lines by their direction (an angle from 0 to π) and their distance from the middle of the face.
+struct LineIndex {
+    centre: DVec2,
+    /// How far a line may run from there, metres.
+    radius: f64,
+    tol: f64,
+    sectors: Vec<Vec<(f64, usize)>>,
+}
+
+/// Sectors of direction: as many as make those of a busy face short.
+const SECTORS: usize = 1024;
+
+impl LineIndex {
+    fn new(lines: &[(Discontinuity, [DVec2; 2])], tol: f64) -> Self {
+        let points = || lines.iter().flat_map(|l| l.1);
+        let low = points().fold(DVec2::INFINITY, DVec2::min);
+        let high = points().fold(DVec2::NEG_INFINITY, DVec2::max);
+        Self {
+            centre: low.midpoint(high),
+            radius: low.distance(high),
+            tol,
+            sectors: vec![Vec::new(); SECTORS],
+        }
+    }
+
+    /// Direction and distance of the line through a segment.
+    fn place(&self, [a, b]: [DVec2; 2]) -> (f64, f64) {
+        let d = (b - a).normalize_or(DVec2::X);
+        let d = if d.y < 0.0 || (d.y == 0.0 && d.x < 0.0) {
+            -d
+        } else {
+            d
+        };
+        (d.to_angle(), d.perp_dot(a.midpoint(b) - self.centre))
+    }
+
+    fn add(&mut self, ends: [DVec2; 2], class: usize) {
+        let (angle, distance) = self.place(ends);
+        let sector = &mut self.sectors[sector_of(angle) as usize % SECTORS];
+        let at = sector.partition_point(|s| s.0 < distance);
+        sector.insert(at, (distance, class));
+    }
+
+    /// The classes whose line may pass within the tolerance of both ends.
+    fn near(&self, ends: [DVec2; 2]) -> impl Iterator<Item = usize> + '_ {
+        let (angle, distance) = self.place(ends);
+        // Twice the tolerance over the segment's length is what the directions may differ by; half as much again for
+        // the arc over its sine and for round-off.
+        let turn = (3.0 * self.tol / ends[0].distance(ends[1])).min(FRAC_PI_2);
+        let shift = 2.0 * (self.tol + turn * self.radius);
+        (sector_of(angle - turn)..=sector_of(angle + turn)).flat_map(move |k| {
+            // Past half a turn the same line is seen from its other side.
+            let count = SECTORS as i64;
+            let sign = if k.div_euclid(count) % 2 == 0 {
+                1.0
+            } else {
+                -1.0
+            };
+            let sector = &self.sectors[k.rem_euclid(count) as usize];
+            let middle = sign * distance;
+            let from = sector.partition_point(|s| s.0 < middle - shift);
+            sector[from..]
+                .iter()
+                .take_while(move |s| s.0 <= middle + shift)
+                .map(|s| s.1)
+        })
+    }
+}
+
+/// The number of the sector of an angle, counted on beyond half a turn.
+fn sector_of(angle: f64) -> i64 {
+    (angle / PI * SECTORS as f64).floor() as i64
 }
 
 impl Class {

@@ -10,24 +10,40 @@
 //! backprojection* (1994); Stewart & Ghali (1994). Unlike them we never map a point into a wedge's frame and back: a line's
 //! ends are parameters along its generating edge, evaluated once.
 
+mod complete;
 mod contact;
 mod corner;
 mod edge_on;
+mod eee;
 mod event;
 mod horizon;
 mod merge;
+mod nve;
+mod outline;
 mod span;
+mod strength;
 mod trace;
+mod triple;
 mod wedge;
 mod width;
 
 pub use width::penumbra_width;
 
+pub use complete::{OutlineCheck, check_outlines};
+pub use outline::Outline;
+
+use self::eee::Arcs;
+use self::event::{Found, Search};
 use crate::direct::DirectLight;
+use crate::geom::ConicArc;
 use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, Scene, VertexId};
-use crate::visibility::Blockers;
+use crate::visibility::{Blockers, Scratch};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Chords depart from their arc by no more than this share of the receiver's size: a tenth of an element at the finest.
+const CHORD_SHARE: f64 = 2.5e-4;
 
 /// What jumps across a line: the derivative of this order of the irradiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,6 +63,10 @@ pub enum EventKind {
     Ve,
     /// Emitter edge past a blocker vertex.
     Ev,
+    /// Blocker vertex past another blocker's edge, with the emitter behind.
+    Nve,
+    /// Three edges on one sight line: one of the emitter and two of blockers, or three of blockers with the emitter behind.
+    Eee,
     /// A face touches or pierces the receiver.
     Contact,
     /// The emitter's own plane.
@@ -58,10 +78,12 @@ pub enum EventKind {
 /// The features that generate a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cause {
-    /// An emitter vertex and a blocker edge.
+    /// A vertex of the emitter and an edge of a blocker (VE), or a vertex and an edge of two blockers (NVE).
     VertexEdge(VertexId, EdgeId),
     /// An emitter edge (by its ends) and a blocker vertex.
     EdgeVertex([VertexId; 2], VertexId),
+    /// Three edges (EEE), sorted.
+    Edges([EdgeId; 3]),
     /// The face that touches, pierces or covers the receiver, or is seen edge-on from it.
     Face(FaceId),
     /// The plane of the emitter.
@@ -90,6 +112,15 @@ pub struct Discontinuity {
     pub jump: f64,
 }
 
+/// A line of second order: an arc of a conic. Its chords are among the candidates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arc {
+    /// The curve, metres, local.
+    pub conic: ConicArc,
+    /// What is known of it; `ends` are those of the arc.
+    pub line: Discontinuity,
+}
+
 /// All lines of one side of one face.
 #[derive(Clone, Debug, Default)]
 pub struct FaceLines {
@@ -97,6 +128,8 @@ pub struct FaceLines {
     pub contacts: Vec<Discontinuity>,
     /// Candidates of higher order; a line is inserted when its elements need it.
     pub candidates: Vec<Discontinuity>,
+    /// The arcs whose chords some of the candidates are.
+    pub arcs: Vec<Arc>,
     /// Faces in this face's plane that overlap it and are seen instead of it.
     pub covers: Vec<FaceId>,
 }
@@ -108,10 +141,16 @@ pub struct SearchReport {
     pub wedges: usize,
     /// Wedges culled before tracing: no silhouette, or behind the emitter.
     pub culled: usize,
+    /// Triples of edges that were followed.
+    pub triples: usize,
+    /// Arcs that landed on receivers.
+    pub arcs: usize,
     /// Segments that landed on receivers, before merging.
     pub segments: usize,
     /// Lines after merging collinear overlaps.
     pub lines: usize,
+    /// What comparing the outlines from neighbouring points told; filled in by [`check_outlines`].
+    pub outlines: OutlineCheck,
 }
 
 /// The lines of every receiver side, indexed by `2 · face + (0 front | 1 back)`.
@@ -133,23 +172,78 @@ impl LineMap {
     }
 }
 
+impl FaceLines {
+    /// Adds an arc and its chords.
+    fn add_arc(&mut self, scene: &Scene, mut arc: Arc) {
+        let tolerance = CHORD_SHARE * scene.faces[arc.line.face].area.sqrt();
+        let points = arc.conic.chorded(tolerance);
+        for ends in points.windows(2) {
+            self.candidates.push(Discontinuity {
+                ends: [ends[0], ends[1]],
+                ..arc.line.clone()
+            });
+        }
+        arc.line.ends = [points[0], points[points.len() - 1]];
+        self.arcs.push(arc);
+    }
+}
+
+/// Follows the triples of edges that the wedges' ends lead to, and those that their own ends lead to, until none is new.
+fn arcs(search: &Search, found: &[Found], report: &mut SearchReport) -> Vec<Arc> {
+    let mut known = BTreeSet::new();
+    let mut next = Vec::new();
+    for touched in found.iter().flat_map(|f| &f.touches) {
+        triple::start(search, touched, &mut next);
+    }
+    let mut out = Vec::new();
+    loop {
+        next.sort_unstable();
+        next.dedup();
+        next.retain(|&t| known.insert(t));
+        if next.is_empty() {
+            report.triples = known.len();
+            report.arcs = out.len();
+            return out;
+        }
+        let traced: Vec<Arcs> = next.par_iter().map(|&t| eee::trace(search, t)).collect();
+        next.clear();
+        for t in traced {
+            out.extend(t.arcs);
+            next.extend(t.next);
+        }
+    }
+}
+
 fn slot(face: FaceId, side: FaceSide) -> usize {
     2 * face.0 as usize + usize::from(side == FaceSide::Back)
 }
 
-/// Finds every first-order line of `scene`.
-pub fn find_lines(scene: &Scene, light: &DirectLight) -> LineMap {
+/// Finds the lines of `scene`.
+///
+/// Those of the second kind (NVE, EEE) are left out when their predicted break is below the share `floor` of what the
+/// whole emitter gives there; 0 keeps all.
+pub fn find_lines(scene: &Scene, light: &DirectLight, floor: f64) -> LineMap {
     let blockers: &Blockers = light.blockers;
     let jobs = event::jobs(scene);
-    let search = event::Search::new(scene, light);
-    let found: Vec<(Vec<Discontinuity>, SearchReport)> =
-        jobs.par_iter().map(|job| search.run(job)).collect();
+    let search = event::Search::new(scene, light, floor);
+    let mut found: Vec<Found> = jobs.par_iter().map(|job| search.run(job)).collect();
+    let vertices: Vec<VertexId> = scene.vertices.ids().collect();
+    found.par_extend(
+        vertices
+            .par_iter()
+            .map_init(Scratch::default, |scratch, &v| {
+                nve::through_vertex(&search, v, scratch)
+            }),
+    );
     let mut report = SearchReport::default();
     let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];
-    for (segments, r) in found {
-        report.wedges += r.wedges;
-        report.culled += r.culled;
-        for s in segments {
+    for arc in arcs(&search, &found, &mut report) {
+        lines[slot(arc.line.face, arc.line.side)].add_arc(scene, arc);
+    }
+    for f in found {
+        report.wedges += f.wedges;
+        report.culled += f.culled;
+        for s in f.lines {
             lines[slot(s.face, s.side)].candidates.push(s);
         }
     }

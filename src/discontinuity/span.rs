@@ -15,6 +15,11 @@ impl LitSpans {
         self.0.is_empty()
     }
 
+    /// True when `s` lies in an interval or at one of its ends.
+    pub(super) fn holds(&self, s: f64) -> bool {
+        self.0.iter().any(|&(a, b)| a <= s && s <= b)
+    }
+
     /// The intervals in order.
     pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.0.iter().copied()

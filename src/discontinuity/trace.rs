@@ -1,7 +1,7 @@
 //! Follows a wedge past the blockers to the receivers that light really reaches along it.
 
 use super::span::LitSpans;
-use super::wedge::{Section, Wedge};
+use super::wedge::{Mark, Section, Wedge};
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::Blockers;
 use glam::DVec3;
@@ -12,23 +12,50 @@ pub(super) struct Landing {
     pub(super) face: FaceId,
     pub(super) side: FaceSide,
     pub(super) ends: [DVec3; 2],
+    /// Where on the rim its middle ray passes.
+    pub(super) middle: f64,
+}
+
+/// What the rays of a wedge meet.
+#[derive(Debug, Default)]
+pub(super) struct Traced {
+    pub(super) landings: Vec<Landing>,
+    /// What rays touch that light passes along: there critical surfaces of second order begin.
+    pub(super) touches: Vec<Touch>,
+}
+
+/// An edge or a vertex that a ray of a wedge touches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    pub(super) mark: Mark,
+    /// The direction of the ray, either way.
+    pub(super) along: DVec3,
+}
+
+impl Traced {
+    /// True when no light passes, or it meets nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.landings.is_empty() && self.touches.is_empty()
+    }
 }
 
 /// VE: rays from the emitter vertex (apex) graze the blocker edge (rim) and land on the first face behind it.
-pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Vec<Landing> {
+pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Traced {
     // Most wedges end before the rim: what lies behind it need not be known.
     let mut lit = LitSpans::whole();
     let before = wedge.sections_before_rim(scene, blockers);
     hide(&mut lit, &before, wedge.rim_slack);
     if lit.is_empty() {
-        return Vec::new();
+        return Traced::default();
     }
-    let behind: Vec<Section> = wedge
-        .sections_ahead(scene, blockers)
-        .into_iter()
-        .filter_map(|s| keep_below(s, wedge.rim_slack))
-        .collect();
-    land(scene, &lit, &behind, |s| (wedge.apex, wedge.rim_at(s)))
+    let behind = below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
+    let mut traced = Traced {
+        landings: land(scene, &lit, &behind, |s| (wedge.apex, wedge.rim_at(s))),
+        touches: Vec::new(),
+    };
+    touch(wedge, &lit, &before, &[], &mut traced.touches);
+    touch(wedge, &lit, &behind, &behind, &mut traced.touches);
+    traced
 }
 
 /// EV: rays from the emitter edge (rim) graze the blocker vertex (apex) and land on the first face behind it.
@@ -39,14 +66,165 @@ pub(super) fn past_vertex(
     mut lit: LitSpans,
     scene: &Scene,
     blockers: &Blockers,
-) -> Vec<Landing> {
+) -> Traced {
     let before = wedge.sections_before_rim(scene, blockers);
     hide(&mut lit, &before, wedge.rim_slack);
     if lit.is_empty() {
-        return Vec::new();
+        return Traced::default();
     }
     let behind = wedge.sections_beyond(scene, blockers);
-    land(scene, &lit, &behind, |s| (wedge.rim_at(s), wedge.apex))
+    let mut traced = Traced {
+        landings: land(scene, &lit, &behind, |s| (wedge.rim_at(s), wedge.apex)),
+        touches: Vec::new(),
+    };
+    touch(wedge, &lit, &before, &[], &mut traced.touches);
+    touch(wedge, &lit, &behind, &behind, &mut traced.touches);
+    traced
+}
+
+/// NVE: rays that graze a vertex (apex) and an edge of another blocker (rim), come from the inside of an emitter, and
+/// land on the first face on the other side.
+///
+/// `lit` is where the faces at the vertex let them pass; `is_emitter_ahead` says whether the emitter stands beyond the
+/// rim or beyond the apex.
+pub(super) fn past_both(
+    wedge: &Wedge,
+    mut lit: LitSpans,
+    (emitter, is_emitter_ahead): (FaceId, bool),
+    scene: &Scene,
+    blockers: &Blockers,
+) -> Traced {
+    let before = wedge.sections_before_rim(scene, blockers);
+    hide(&mut lit, &before, wedge.rim_slack);
+    if lit.is_empty() {
+        return Traced::default();
+    }
+    let ahead = || below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
+    let beyond = || wedge.sections_beyond(scene, blockers);
+    let towards = if is_emitter_ahead { ahead() } else { beyond() };
+    let (own, nearer) = parted(scene, towards, emitter);
+    let mut out = Traced::default();
+    let mut landing_sections = None;
+    for own in &own {
+        let shone = shone_by(&lit, own, &nearer);
+        if shone.is_empty() {
+            continue;
+        }
+        let behind = landing_sections
+            .get_or_insert_with(|| if is_emitter_ahead { beyond() } else { ahead() });
+        let ray = |s: f64| {
+            if is_emitter_ahead {
+                (wedge.rim_at(s), wedge.apex)
+            } else {
+                (wedge.apex, wedge.rim_at(s))
+            }
+        };
+        out.landings.extend(land(scene, &shone, behind, ray));
+        touch(wedge, &shone, &before, &[], &mut out.touches);
+        touch(wedge, &shone, &nearer, &nearer, &mut out.touches);
+        touch(
+            wedge,
+            &shone,
+            std::slice::from_ref(own),
+            &[],
+            &mut out.touches,
+        );
+        touch(wedge, &shone, behind, behind, &mut out.touches);
+    }
+    out
+}
+
+/// The stretches of the lit rim behind which the apex sees the emitter's face first.
+pub(super) fn shone_from(
+    scene: &Scene,
+    wedge: &Wedge,
+    lit: &LitSpans,
+    ahead: Vec<Section>,
+    emitter: FaceId,
+) -> Vec<(f64, f64)> {
+    let (own, nearer) = parted(scene, below_rim(ahead, wedge.rim_slack), emitter);
+    own.iter()
+        .flat_map(|own| shone_by(lit, own, &nearer).iter().collect::<Vec<_>>())
+        .collect()
+}
+
+/// The sections of an emitter's face, and those of others that may stand before it: not in its plane.
+fn parted(scene: &Scene, sections: Vec<Section>, emitter: FaceId) -> (Vec<Section>, Vec<Section>) {
+    let plane = scene.faces[emitter].frame.plane();
+    let is_flush = |f: FaceId| {
+        let points = scene.faces[f].loops.iter().flatten();
+        points
+            .map(|&v| plane.distance(scene.vertices[v]).abs())
+            .all(|d| d <= scene.weld_distance)
+    };
+    let (own, mut others): (Vec<Section>, Vec<Section>) =
+        sections.into_iter().partition(|s| s.face == Some(emitter));
+    if !own.is_empty() {
+        others.retain(|s| s.face.is_none_or(|f| !is_flush(f)));
+    }
+    (own, others)
+}
+
+/// Where the lit rays meet the section `own` of the emitter, and nothing before it.
+fn shone_by(lit: &LitSpans, own: &Section, nearer: &[Section]) -> LitSpans {
+    let mut shone = lit.clone();
+    shone.remove(f64::NEG_INFINITY, own.s0);
+    shone.remove(own.s1, f64::INFINITY);
+    hide_before(&mut shone, nearer, own);
+    shone
+}
+
+/// The parts of sections that lie behind the rim or on it.
+fn below_rim(sections: Vec<Section>, slack: f64) -> Vec<Section> {
+    sections
+        .into_iter()
+        .filter_map(|s| keep_below(s, slack))
+        .collect()
+}
+
+/// Removes what lies before the section `target`.
+fn hide_before(lit: &mut LitSpans, sections: &[Section], target: &Section) {
+    for s in sections {
+        let (from, to) = (s.s0.max(target.s0), s.s1.min(target.s1));
+        if from >= to {
+            continue;
+        }
+        let gap = |at: f64| s.w(at) - target.w(at);
+        let (a, b) = (gap(from), gap(to));
+        // Both run linearly.
+        let cut = || from + (to - from) * (a / (a - b));
+        match (a > 0.0, b > 0.0) {
+            (true, true) => lit.remove(from, to),
+            (true, false) => lit.remove(from, cut()),
+            (false, true) => lit.remove(cut(), to),
+            (false, false) => {}
+        }
+    }
+}
+
+/// Appends what ends the `sections` where light passes: on a lit ray, and not behind any of `occluders`.
+fn touch(
+    wedge: &Wedge,
+    lit: &LitSpans,
+    sections: &[Section],
+    occluders: &[Section],
+    out: &mut Vec<Touch>,
+) {
+    for section in sections {
+        let ends = [(section.s0, section.w0), (section.s1, section.w1)];
+        for ((s, w), mark) in ends.into_iter().zip(section.marks) {
+            if mark == Mark::Inside || out.iter().any(|t| t.mark == mark) || !lit.holds(s) {
+                continue;
+            }
+            let is_hidden = occluders.iter().any(|o| o.s0 < s && s < o.s1 && o.w(s) > w);
+            if !is_hidden {
+                out.push(Touch {
+                    mark,
+                    along: wedge.rim_at(s) - wedge.apex,
+                });
+            }
+        }
+    }
 }
 
 /// The stretches of the rim that the apex sees.
@@ -61,7 +239,7 @@ pub(super) fn lit_on_rim(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> V
 }
 
 /// Removes what lies nearer than the rim.
-fn hide(lit: &mut LitSpans, sections: &[Section], slack: f64) {
+pub(super) fn hide(lit: &mut LitSpans, sections: &[Section], slack: f64) {
     for s in sections {
         if lit.is_empty() {
             return;
@@ -101,6 +279,14 @@ fn keep_below(s: Section, slack: f64) -> Option<Section> {
         s1: to,
         w1,
         face: s.face.filter(|_| !is_on_rim),
+        marks: [
+            if from > s.s0 {
+                Mark::Inside
+            } else {
+                s.marks[0]
+            },
+            if to < s.s1 { Mark::Inside } else { s.marks[1] },
+        ],
     })
 }
 
@@ -129,7 +315,13 @@ fn land(
         let mut open: Option<(FaceId, f64, f64)> = None;
         let emit = |piece: Option<(FaceId, f64, f64)>, out: &mut Vec<Landing>| {
             if let Some((face, a, b)) = piece {
-                out.extend(landing(scene, face, ray(a), ray(b)));
+                let ends = landing(scene, face, ray(a), ray(b));
+                out.extend(ends.map(|(side, ends)| Landing {
+                    face,
+                    side,
+                    ends,
+                    middle: 0.5 * (a + b),
+                }));
             }
         };
         for pair in cuts.windows(2) {
@@ -196,7 +388,7 @@ fn landing(
     face: FaceId,
     from: (DVec3, DVec3),
     to: (DVec3, DVec3),
-) -> Option<Landing> {
+) -> Option<(FaceSide, [DVec3; 2])> {
     let plane = scene.faces[face].frame.plane();
     let hit = |(origin, through): (DVec3, DVec3)| {
         let (d0, d1) = (plane.distance(origin), plane.distance(through));
@@ -210,5 +402,5 @@ fn landing(
     };
     let ends = [hit(from)?, hit(to)?];
     (scene.receives(face, side) && ends[0].distance(ends[1]) > scene.weld_distance)
-        .then_some(Landing { face, side, ends })
+        .then_some((side, ends))
 }

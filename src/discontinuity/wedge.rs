@@ -59,6 +59,17 @@ pub(super) struct Wedge {
     pub(super) rim_slack: f64,
 }
 
+/// What of the scene ends a section: where a ray of the wedge touches it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mark {
+    /// An edge of the scene that crosses the wedge's plane.
+    Edge(EdgeId),
+    /// A vertex that lies in it.
+    Vertex(VertexId),
+    /// Nothing: the section goes on in another part of its face, or beyond the wedge.
+    Inside,
+}
+
 /// A piece of a face in the wedge's plane: `w` runs linearly from `w0` at `s0` to `w1` at `s1`, `s0 < s1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
@@ -69,6 +80,14 @@ pub(super) struct Section {
     /// The face, where a line may be drawn on it; none where the wedge passes exactly through an edge between faces,
     /// which stops the light but lies on the border of both meshes already.
     pub(super) face: Option<FaceId>,
+    /// What ends it at `s0` and at `s1`.
+    pub(super) marks: [Mark; 2],
+}
+
+/// A segment in a wedge's plane: its ends, each with what it lies on.
+struct Cut {
+    ends: [(DVec3, Mark); 2],
+    face: Option<FaceId>,
 }
 
 impl Section {
@@ -183,20 +202,15 @@ impl Wedge {
         let mut out = Sections::default();
         for i in parts {
             let part = blockers.part(i);
-            if let Some((ends, face)) = self.section(scene, blockers, part) {
-                self.clip(ends, face, &mut out);
+            if let Some(cut) = self.section(scene, blockers, part) {
+                self.clip(&cut, &mut out);
             }
         }
         out
     }
 
     /// The segment in which a convex part crosses the plane.
-    fn section(
-        &self,
-        scene: &Scene,
-        blockers: &Blockers,
-        part: &Part,
-    ) -> Option<([DVec3; 2], Option<FaceId>)> {
+    fn section(&self, scene: &Scene, blockers: &Blockers, part: &Part) -> Option<Cut> {
         let corners = blockers.corners(part);
         let vertices = blockers.vertices(part);
         let is_on_rim = |v: &VertexId| self.rim_vertices.is_some_and(|r| r.contains(v));
@@ -223,16 +237,21 @@ impl Wedge {
         let (above, below) = (d.iter().any(|&d| d > 0.0), d.iter().any(|&d| d < 0.0));
         let n = corners.len();
         if above && below {
-            let mut ends = SmallVec::<[DVec3; 2]>::new();
+            let mut ends = SmallVec::<[(DVec3, Mark); 2]>::new();
             for i in 0..n {
                 let j = (i + 1) % n;
                 if d[i] == 0.0 {
-                    ends.push(corners[i]);
+                    ends.push((corners[i], Mark::Vertex(vertices[i])));
                 } else if d[i] * d[j] < 0.0 {
-                    ends.push(corners[i] + (corners[j] - corners[i]) * (d[i] / (d[i] - d[j])));
+                    let p = corners[i] + (corners[j] - corners[i]) * (d[i] / (d[i] - d[j]));
+                    let edge = blockers.edges(part)[i];
+                    ends.push((p, edge.map_or(Mark::Inside, Mark::Edge)));
                 }
             }
-            return (ends.len() == 2).then(|| ([ends[0], ends[1]], Some(part.face)));
+            return (ends.len() == 2).then(|| Cut {
+                ends: [ends[0], ends[1]],
+                face: Some(part.face),
+            });
         }
         if !above {
             return None;
@@ -240,12 +259,15 @@ impl Wedge {
         // The part touches the plane from above along one of its edges: the light stops there when something touches the
         // same edge from below. On a diagonal that is the other part of the same face.
         let k = (0..n).find(|&i| d[i] == 0.0 && d[(i + 1) % n] == 0.0)?;
-        let ends = [corners[k], corners[(k + 1) % n]];
+        let ends = [k, (k + 1) % n].map(|i| (corners[i], Mark::Vertex(vertices[i])));
         match blockers.edges(part)[k] {
-            None => Some((ends, Some(part.face))),
+            None => Some(Cut {
+                ends,
+                face: Some(part.face),
+            }),
             Some(edge) => self
                 .is_crossed_at(scene, edge, blockers.weld_distance())
-                .then_some((ends, None)),
+                .then_some(Cut { ends, face: None }),
         }
     }
 
@@ -261,8 +283,9 @@ impl Wedge {
     }
 
     /// Adds the parts of a segment in front of and behind the apex to `out`.
-    fn clip(&self, ends: [DVec3; 2], face: Option<FaceId>, out: &mut Sections) {
-        let (p, q) = (self.coordinates(ends[0]), self.coordinates(ends[1]));
+    fn clip(&self, cut: &Cut, out: &mut Sections) {
+        let [(first, first_mark), (last, last_mark)] = cut.ends;
+        let (p, q) = (self.coordinates(first), self.coordinates(last));
         for (sign, list) in [(1.0, &mut out.front), (-1.0, &mut out.back)] {
             let (p, q) = ((sign * p.0, sign * p.1), (sign * q.0, sign * q.1));
             // Cut to the quadrant α, β ≥ 0.
@@ -285,9 +308,12 @@ impl Wedge {
                 ((b / sum).clamp(0.0, 1.0), 1.0 / sum)
             };
             let ((mut s0, mut w0), (mut s1, mut w1)) = (at(t0), at(t1));
+            let own = |is_whole: bool, mark| if is_whole { mark } else { Mark::Inside };
+            let mut marks = [own(t0 <= 0.0, first_mark), own(t1 >= 1.0, last_mark)];
             if s0 > s1 {
                 std::mem::swap(&mut s0, &mut s1);
                 std::mem::swap(&mut w0, &mut w1);
+                marks.swap(0, 1);
             }
             // A section along a ray hides nothing.
             if s1 - s0 > f64::EPSILON && w0.is_finite() && w1.is_finite() {
@@ -296,7 +322,8 @@ impl Wedge {
                     w0,
                     s1,
                     w1,
-                    face,
+                    face: cut.face,
+                    marks,
                 });
             }
         }

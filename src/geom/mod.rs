@@ -1,10 +1,12 @@
-//! Numbers and shapes: exact signs, planes with their own 2D frames, polygons. Knows no scene.
+//! Numbers and shapes: exact signs, planes with their own 2D frames, polygons, ruled quadrics. Knows no scene.
 
 mod affine;
 mod plane;
 mod polygon;
 pub mod predicates;
+mod quadric;
 
 pub use affine::AffineMap;
 pub use plane::{Plane, PlaneFrame};
 pub use polygon::{Polygon2, loop_area, newell_normal};
+pub use quadric::{ConicArc, Regulus, Ruling};

@@ -47,12 +47,13 @@ fn row(line: &LineRecord) -> String {
     )
 }
 
-/// What made a line: `v12/e34` an emitter's vertex past a blocker's edge, `e(3-4)/v7` an emitter's edge past a blocker's
-/// vertex, `face 5` the face that touches, `plane` the emitter's own plane. Numbers are those of the cleaned scene.
+/// What made a line: `v12/e34` a vertex of the emitter, or of another blocker, past a blocker's edge, `e(3-4)/v7` an
+/// emitter's edge past a blocker's vertex, `e3/e5/e8` three edges on one sight line, `face 5` the face that touches, `plane` the emitter's own plane. Numbers are those of the cleaned scene.
 pub fn cause_name(cause: &Cause) -> String {
     match cause {
         Cause::VertexEdge(v, e) => format!("v{v}/e{e}"),
         Cause::EdgeVertex([a, b], v) => format!("e({a}-{b})/v{v}"),
+        Cause::Edges([a, b, c]) => format!("e{a}/e{b}/e{c}"),
         Cause::Face(f) => format!("face {f}"),
         Cause::EmitterPlane => "plane".to_owned(),
     }

@@ -57,7 +57,8 @@ pub fn kind_name(kind: EventKind) -> &'static str {
         EventKind::Ve => "ve",
         EventKind::Ev => "ev",
         // The plane of a blocker's face is spanned by its own vertices and edges: an NVE wedge of one blocker.
-        EventKind::EdgeOn => "nve",
+        EventKind::EdgeOn | EventKind::Nve => "nve",
+        EventKind::Eee => "eee",
         EventKind::Contact => "contact",
         EventKind::Horizon => "horizon",
     }

@@ -23,7 +23,7 @@ pub use summary::{LeftOut, Stage, Summary};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
-use crate::discontinuity::{Discontinuity, FaceLines, LineMap, find_lines};
+use crate::discontinuity::{Discontinuity, FaceLines, LineMap, check_outlines, find_lines};
 use crate::lit_scene::LitScene;
 use crate::mesh::MeshError;
 use crate::radiosity::{Bounces, IndirectField, reached};
@@ -45,6 +45,13 @@ pub enum LightError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
+
+/// Lines of the second kind are left out when they change less than this share of the error asked for, relative to what
+/// the emitter gives there unoccluded.
+const LINE_FLOOR: f64 = 0.25;
+
+/// Pairs of neighbouring points whose outlines of the emitters are compared, to tell whether lines were missed.
+const OUTLINE_PAIRS: usize = 200;
 
 /// Display elements start at this share of the scene's diagonal. The light is looked at twice as densely, at the middles of
 /// edges, and at centres: so that no bright spot falls between all points of a large face. Shadows announce themselves by
@@ -150,7 +157,9 @@ pub fn light<'a>(
     let direct = DirectLight::new(scene, &world.blockers);
 
     clock.start("lines", &mut summary);
-    let mut lines = find_lines(scene, &direct);
+    let floor = settings.error * LINE_FLOOR;
+    let mut lines = find_lines(scene, &direct, floor);
+    lines.report.outlines = check_outlines(scene, &direct, &lines, floor, OUTLINE_PAIRS);
     summary.lines = lines.report;
 
     clock.start("reach", &mut summary);

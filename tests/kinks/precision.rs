@@ -26,7 +26,7 @@ const NEAR: f64 = 0.01;
 const IDLE: f64 = 0.02;
 
 /// Whether the light breaks at one of some points of a line: fits of both sides differ by more than their doubt.
-fn breaks(scene: &Scene, light: &DirectLight, line: &Discontinuity) -> bool {
+pub(super) fn breaks(scene: &Scene, light: &DirectLight, line: &Discontinuity) -> bool {
     let normal = scene.normal(line.face, line.side);
     let [a, b] = line.ends;
     let across = (b - a).cross(normal).normalize();
@@ -108,6 +108,8 @@ fn measure_how_many_candidates_are_breaks() {
         EventKind::Ev,
         EventKind::Horizon,
         EventKind::EdgeOn,
+        EventKind::Nve,
+        EventKind::Eee,
     ];
     for kind in kinds {
         for order in [DiscontinuityOrder::D1, DiscontinuityOrder::D2] {

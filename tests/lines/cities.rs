@@ -82,7 +82,7 @@ fn check(seed: u64, boxes: usize) -> usize {
     let world = world_of_mesh(&format!("city {seed}"), &mesh);
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
-    let lines = find_lines(scene, &light);
+    let lines = find_lines(scene, &light, 0.0);
     let mut count = 0;
     for (id, side) in receiver_sides(scene) {
         let face = &scene.faces[id];

@@ -8,6 +8,9 @@ use umbrage::discontinuity::{LineMap, find_lines};
 use umbrage::io::{ReadSettings, read_scene};
 use umbrage::scene::{FaceSide, Scene};
 
+/// As a bake at an error of 1 % asks for.
+const FLOOR: f64 = 0.0025;
+
 /// A number that any change of a line changes.
 fn fingerprint(scene: &Scene, lines: &LineMap) -> u64 {
     let mut sum = 0_u64;
@@ -41,7 +44,7 @@ fn measure_the_search() {
         let world = world_of_raw(&raw);
         let light = DirectLight::new(&world.scene, &world.blockers);
         let start = Instant::now();
-        let lines = find_lines(&world.scene, &light);
+        let lines = find_lines(&world.scene, &light, FLOOR);
         eprintln!(
             "{file}: {:.2} s; {} faces, {} edges, {} vertices, {} emitters; {:?}; {:016x}",
             start.elapsed().as_secs_f64(),

@@ -26,7 +26,7 @@ type Counts = BTreeMap<String, usize>;
 
 fn line_counts(world: &World, label: impl Fn(&Discontinuity) -> String) -> Counts {
     let scene = &world.scene;
-    let lines = find_lines(scene, &DirectLight::new(scene, &world.blockers));
+    let lines = find_lines(scene, &DirectLight::new(scene, &world.blockers), 0.0);
     let mut counts = Counts::new();
     for face in scene.faces.ids() {
         for side in [FaceSide::Front, FaceSide::Back] {

@@ -1,0 +1,158 @@
+//! Whether lines were missed: neighbouring points that see different outlines of an emitter have a line between them.
+
+use super::{CHORD_SHARE, Discontinuity, FaceLines, LineMap, Outline};
+use crate::direct::DirectLight;
+use crate::scene::{FaceId, FaceSide, Scene};
+use crate::visibility::{Scratch, Viewpoint};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Distance of the two points of a pair, over the size of their face: about an element.
+const STEP: f64 = 1.0 / 64.0;
+
+/// Additive recurrences on these irrational steps fill the unit cube evenly (the generalised golden ratio of dimension 3,
+/// Roberts 2018).
+const STEPS: [f64; 3] = [
+    0.819_172_513_396_164_4,
+    0.671_043_606_703_789_2,
+    0.549_700_477_901_970_3,
+];
+
+/// What comparing neighbours told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct OutlineCheck {
+    /// Pairs of points, once for each emitter.
+    pub pairs: usize,
+    /// Pairs that see different outlines.
+    pub changed: usize,
+    /// Of these, pairs with no line between them across which the light bends more than the lines that were left out.
+    pub missed: usize,
+}
+
+/// Compares the outlines from `count` pairs of neighbouring points, spread evenly over the area of all sides.
+///
+/// `floor` is that of [`super::find_lines`].
+pub fn check_outlines(
+    scene: &Scene,
+    light: &DirectLight,
+    lines: &LineMap,
+    floor: f64,
+    count: usize,
+) -> OutlineCheck {
+    let mut triangles: Vec<(f64, FaceId, FaceSide, usize)> = Vec::new();
+    let mut sum = 0.0;
+    for (face, f) in scene.faces.iter() {
+        for side in [FaceSide::Front, FaceSide::Back] {
+            if !scene.receives(face, side) || lines.of(face, side).candidates.is_empty() {
+                continue;
+            }
+            for (i, t) in f.triangles.iter().enumerate() {
+                let [a, b, c] = t.map(|v| scene.vertices[v]);
+                sum += (b - a).cross(c - a).length();
+                triangles.push((sum, face, side, i));
+            }
+        }
+    }
+    let checks: Vec<OutlineCheck> = (0..if triangles.is_empty() { 0 } else { count })
+        .into_par_iter()
+        .map(|i| {
+            let [s, t, turn] = STEPS.map(|step| (0.5 + step * i as f64).fract());
+            let at = sum * (i as f64 + 0.5) / count as f64;
+            let k = triangles
+                .partition_point(|c| c.0 <= at)
+                .min(triangles.len() - 1);
+            let (_, face, side, triangle) = triangles[k];
+            let [a, b, c] = scene.faces[face].triangles[triangle].map(|v| scene.vertices[v]);
+            let root = s.sqrt();
+            let p = a * (1.0 - root) + b * (root * (1.0 - t)) + c * (root * t);
+            compare(
+                scene,
+                light,
+                lines.of(face, side),
+                (face, side),
+                p,
+                turn,
+                floor,
+            )
+        })
+        .collect();
+    checks
+        .iter()
+        .fold(OutlineCheck::default(), |sum, c| OutlineCheck {
+            pairs: sum.pairs + c.pairs,
+            changed: sum.changed + c.changed,
+            missed: sum.missed + c.missed,
+        })
+}
+
+/// Compares a point of a face with one a step away.
+fn compare(
+    scene: &Scene,
+    light: &DirectLight,
+    lines: &FaceLines,
+    (face, side): (FaceId, FaceSide),
+    p: DVec3,
+    turn: f64,
+    floor: f64,
+) -> OutlineCheck {
+    let f = &scene.faces[face];
+    let size = f.area.sqrt();
+    let p = f.frame.to_plane(p);
+    let q = p + DVec2::from_angle(TAU * turn) * (STEP * size);
+    let mut check = OutlineCheck::default();
+    // Both on the face, on one side of every hole.
+    let is_apart = f.outline.loops.iter().any(|l| {
+        (0..l.len()).any(|i| distance([p, q], [l[i], l[(i + 1) % l.len()]]) <= scene.weld_distance)
+    });
+    if is_apart || !f.outline.contains(q) {
+        return check;
+    }
+    let normal = scene.normal(face, side);
+    let view = |p: DVec2| Viewpoint::new(f.frame.to_space(p), normal);
+    let (from, to) = (view(p), view(q));
+    for emitter in scene.emitters.ids() {
+        let outline = |v| Outline::from_point(scene, light, emitter, (face, v));
+        check.pairs += 1;
+        if outline(&from) == outline(&to) {
+            continue;
+        }
+        check.changed += 1;
+        let is_line = |l: &Discontinuity| {
+            let ends = l.ends.map(|e| f.frame.to_plane(e));
+            distance([p, q], ends) <= 2.0 * CHORD_SHARE * size
+        };
+        if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
+            continue;
+        }
+        // A change that bends the light less than the lines that were left out is one of them.
+        let mut scratch = Scratch::default();
+        let mut at = |v: &Viewpoint| light.irradiance(v, &mut scratch).mean();
+        let bend = at(&from) - 2.0 * at(&view(p.midpoint(q))) + at(&to);
+        let whole = light
+            .unoccluded_from(emitter, &from, &mut Scratch::default())
+            .mean();
+        if floor <= 0.0 || bend.abs() > floor * whole {
+            check.missed += 1;
+        }
+    }
+    check
+}
+
+/// Distance between two segments of the plane.
+fn distance(s: [DVec2; 2], t: [DVec2; 2]) -> f64 {
+    let side = |[a, b]: [DVec2; 2], p: DVec2| (b - a).perp_dot(p - a);
+    let parts = |s: [DVec2; 2], t: [DVec2; 2]| side(s, t[0]) * side(s, t[1]) <= 0.0;
+    if parts(s, t) && parts(t, s) {
+        return 0.0;
+    }
+    let from = |p: DVec2, [a, b]: [DVec2; 2]| {
+        let d = b - a;
+        let along = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+        p.distance(a + d * along)
+    };
+    from(s[0], t)
+        .min(from(s[1], t))
+        .min(from(t[0], s))
+        .min(from(t[1], s))
+}

@@ -1,7 +1,9 @@
 //! The lines that the search finds, held against closed forms.
 
 mod cities;
+mod growth;
 mod measure;
+mod segment;
 
 use crate::common::library::{faces_of, local_mesh, regression_world, world_of};
 use crate::common::scenes::fixture_names;

@@ -107,6 +107,22 @@ impl Corners {
         !(filled >= TAU && sectors[0].0 <= -TAU)
     }
 
+    /// False when no ray from the vertex towards the convex polygon `target` grazes the faces there.
+    pub(super) fn may_be_grazed_towards(
+        &self,
+        vertex: VertexId,
+        position: DVec3,
+        target: &[DVec3],
+    ) -> bool {
+        // The faces' planes part the directions; where none parts the target, one direction speaks for all.
+        let is_parted = self.corners[vertex].iter().any(|c| {
+            let heights = || target.iter().map(|&p| c.normal.dot(p - position));
+            heights().any(|h| h >= 0.0) && heights().any(|h| h <= 0.0)
+        });
+        let middle = target.iter().sum::<DVec3>() / target.len() as f64;
+        is_parted || self.is_grazed(vertex, position - middle)
+    }
+
     /// Where on the segment from `a` to `b` (0…1) the faces at a vertex are seen edge-on, sorted, with both ends.
     pub(super) fn changes(
         &self,

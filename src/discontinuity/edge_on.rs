@@ -11,7 +11,7 @@
 //!   ───────lines──  a receiver: lit by some point of S past F
 //! ```
 
-use super::trace;
+use super::trace::{self, Landing};
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::DirectLight;
@@ -21,13 +21,12 @@ use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// At least so many points of the emitter are followed past a face: what stands behind the face lets other stretches
-/// through from each.
-const FEWEST_POINTS: usize = 9;
+/// So many points of the emitter are followed past a face at first.
+const FIRST_POINTS: usize = 9;
 
-/// More points of the emitter than this are not followed past one face. Of a face so much narrower than the emitter, the
-/// shadows of neighbouring points leave gaps where the break is weakest.
-const MOST_POINTS: usize = 33;
+/// Between two points from which light lands differently the emitter is halved so many times: the ends of lines are then
+/// as good as this power of two makes them.
+const HALVINGS: u32 = 7;
 
 /// The lines of all faces' planes, for all emitters.
 pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
@@ -109,36 +108,105 @@ fn past_face(
         .map(|&v| scene.vertices[v])
         .filter(|&p| plane.distance(p) > tol)
         .collect();
-    let Some(first) = chord(cut[0], &points, plane.normal, tol) else {
-        return;
+    let past = |share: f64| -> Vec<Landing> {
+        let apex = cut[0].lerp(cut[1], share);
+        chord(apex, &points, plane.normal, tol)
+            .and_then(|rim| Wedge::new(Apex::Point(apex), rim, None, tol))
+            .map_or(Vec::new(), |wedge| {
+                trace::past_edge(&wedge, scene, light.blockers).landings
+            })
     };
-    // Shadows of points no farther apart than the face is wide meet each other.
-    let (length, width) = (cut[0].distance(cut[1]), first[0].distance(first[1]));
-    let count = ((length / width).ceil() as usize + 1).clamp(FEWEST_POINTS, MOST_POINTS);
+    let mut stretches = Vec::new();
+    let share = |i: usize| i as f64 / (FIRST_POINTS - 1) as f64;
+    let mut before = past(0.0);
+    for i in 1..FIRST_POINTS {
+        let after = past(share(i));
+        let shares = (share(i - 1), share(i));
+        follow(&past, shares, (&before, &after), HALVINGS, &mut stretches);
+        before = after;
+    }
     let mut scratch = Scratch::default();
-    for i in 0..count {
-        let apex = cut[0].lerp(cut[1], i as f64 / (count - 1) as f64);
-        let wedge = chord(apex, &points, plane.normal, tol)
-            .and_then(|rim| Wedge::new(Apex::Point(apex), rim, None, tol));
-        let Some(wedge) = wedge else { continue };
-        for l in trace::past_edge(&wedge, scene, light.blockers).landings {
-            let middle = 0.5 * (l.ends[0] + l.ends[1]);
-            let view = Viewpoint::new(middle, scene.normal(l.face, l.side));
-            let jump = light.unoccluded_from(emitter, &view, &mut scratch).mean();
-            if jump > 0.0 && l.face != face {
-                out.push(Discontinuity {
-                    face: l.face,
-                    side: l.side,
-                    ends: l.ends,
-                    order: DiscontinuityOrder::D1,
-                    kind: EventKind::EdgeOn,
-                    emitter: Some(emitter),
-                    cause: Cause::Face(face),
-                    jump,
-                });
+    for l in united(stretches, tol) {
+        let middle = 0.5 * (l.ends[0] + l.ends[1]);
+        let view = Viewpoint::new(middle, scene.normal(l.face, l.side));
+        let jump = light.unoccluded_from(emitter, &view, &mut scratch).mean();
+        if jump > 0.0 && l.face != face {
+            out.push(Discontinuity {
+                face: l.face,
+                side: l.side,
+                ends: l.ends,
+                order: DiscontinuityOrder::D1,
+                kind: EventKind::EdgeOn,
+                emitter: Some(emitter),
+                cause: Cause::Face(face),
+                jump,
+            });
+        }
+    }
+}
+
+/// Adds what the points between two shares of the cut light. Where both light the same stretches one for one, those
+/// between do nothing but move.
+fn follow(
+    past: &impl Fn(f64) -> Vec<Landing>,
+    (from, to): (f64, f64),
+    (before, after): (&[Landing], &[Landing]),
+    halvings: u32,
+    out: &mut Vec<Landing>,
+) {
+    let is_same = before.len() == after.len()
+        && before
+            .iter()
+            .zip(after)
+            .all(|(a, b)| (a.face, a.side) == (b.face, b.side));
+    if is_same {
+        out.extend(before.iter().zip(after).map(|(a, b)| hull(a, b)));
+    } else if halvings == 0 {
+        out.extend(before.iter().chain(after));
+    } else {
+        let middle = 0.5 * (from + to);
+        let between = past(middle);
+        follow(past, (from, middle), (before, &between), halvings - 1, out);
+        follow(past, (middle, to), (&between, after), halvings - 1, out);
+    }
+}
+
+/// The stretch from the first end of two collinear ones to the last.
+fn hull(a: &Landing, b: &Landing) -> Landing {
+    let along = a.ends[1] - a.ends[0];
+    let mut ends = [a.ends[0], a.ends[1], b.ends[0], b.ends[1]];
+    ends.sort_unstable_by(|p, q| along.dot(*p).total_cmp(&along.dot(*q)));
+    Landing {
+        ends: [ends[0], ends[3]],
+        ..*a
+    }
+}
+
+/// Stretches on one side of one face – all of them collinear – with those that touch made one.
+fn united(mut stretches: Vec<Landing>, tol: f64) -> Vec<Landing> {
+    stretches.sort_by_key(|l| (l.face, l.side));
+    let mut out: Vec<Landing> = Vec::new();
+    for group in stretches.chunk_by_mut(|a, b| (a.face, a.side) == (b.face, b.side)) {
+        let along = (group[0].ends[1] - group[0].ends[0]).normalize_or_zero();
+        for l in group.iter_mut() {
+            if along.dot(l.ends[1] - l.ends[0]) < 0.0 {
+                l.ends.swap(0, 1);
+            }
+        }
+        group.sort_by(|a, b| along.dot(a.ends[0]).total_cmp(&along.dot(b.ends[0])));
+        let first = out.len();
+        for l in group.iter() {
+            match out[first..].last_mut() {
+                Some(last) if along.dot(l.ends[0] - last.ends[1]) <= tol => {
+                    if along.dot(l.ends[1] - last.ends[1]) > 0.0 {
+                        last.ends[1] = l.ends[1];
+                    }
+                }
+                _ => out.push(*l),
             }
         }
     }
+    out
 }
 
 /// The two of `points` (in a plane with `apex`) between which all others are seen from there, left and right of the

@@ -162,6 +162,12 @@ impl<'a> Search<'a> {
         !self.corners.is_unused(vertex) && !self.corners.is_covered(vertex)
     }
 
+    /// False when no ray through the vertex and the convex polygon `target` grazes the faces at the vertex.
+    pub(super) fn may_be_grazed_towards(&self, vertex: VertexId, target: &[DVec3]) -> bool {
+        let position = self.scene.vertices[vertex];
+        self.corners.may_be_grazed_towards(vertex, position, target)
+    }
+
     /// True when a ray through `eye` that meets the edge clearly passes between its two faces, or comes from between them:
     /// `eye` lies before both of them or behind both. What is not clear is left to [`is_silhouette`].
     pub(super) fn is_certainly_no_silhouette(&self, edge: EdgeId, eye: DVec3) -> bool {

@@ -1,13 +1,17 @@
 //! Where the direct light on a face breaks.
 //!
 //! The visible outline of a polygonal emitter changes its combinatorics on critical surfaces. This stage finds the planar
-//! ones of first order – an emitter vertex past a blocker edge (VE), an emitter edge past a blocker vertex (EV) –, the
-//! emitter's own horizon, the planes of faces that cut an emitter, and the lines where faces touch or pierce a receiver, and follows each to the receivers that
-//! light really reaches along it.
+//! ones – an emitter vertex past a blocker edge (VE), an emitter edge past a blocker vertex (EV), a blocker vertex past
+//! another blocker's edge (NVE) –, the quadrics of three edges (EEE), the emitter's own horizon, the planes of faces that
+//! cut an emitter, and the lines where faces touch or pierce a receiver, and follows each to the receivers that light
+//! really reaches along it. Vertices look for edges along the cone of their sight lines, and the rays of wedges that touch
+//! a further edge lead to the quadrics: what no sight line joins is never compared. An [`Outline`] tells which features a
+//! point sees, and [`check_outlines`] by them whether a line was missed.
 //!
 //! Papers: Heckbert, *Discontinuity meshing for radiosity* (1992); Lischinski, Tampieri & Greenberg, *Discontinuity meshing
 //! for accurate radiosity* (1992); Drettakis & Fiume, *A fast shadow algorithm for area light sources using
-//! backprojection* (1994); Stewart & Ghali (1994). Unlike them we never map a point into a wedge's frame and back: a line's
+//! backprojection* (1994); Stewart & Ghali (1994); Durand, Drettakis & Puech, *The visibility skeleton* (1997), for the
+//! step from the ends of critical surfaces to the next. Unlike them we never map a point into a wedge's frame and back: a line's
 //! ends are parameters along its generating edge, evaluated once.
 
 mod complete;

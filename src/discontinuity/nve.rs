@@ -39,7 +39,9 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
     let (scene, light) = (search.scene, search.light);
     let eye = scene.vertices[vertex];
     for polygon in &light.polygons {
-        if polygon.plane.distance(eye) <= scene.weld_distance {
+        if polygon.plane.distance(eye) <= scene.weld_distance
+            || !search.may_be_grazed_towards(vertex, &polygon.corners)
+        {
             continue;
         }
         let view = Viewpoint::new(eye, -polygon.plane.normal);

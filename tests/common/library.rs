@@ -73,7 +73,8 @@ pub(crate) fn local_mesh(name: &str, scene: &Scene) -> ObjMesh {
     moved(read_fixture(name), scene)
 }
 
-fn moved(mut mesh: ObjMesh, scene: &Scene) -> ObjMesh {
+/// A mesh in the local coordinates of its world.
+pub(crate) fn moved(mut mesh: ObjMesh, scene: &Scene) -> ObjMesh {
     for corner in mesh.polygons.iter_mut().flat_map(|p| &mut p.corners) {
         *corner -= scene.origin;
     }

@@ -66,7 +66,7 @@ fn turned_and_reordered_scenes_are_as_good() {
             // Ten thousand points know the mean to a percent and the error to a few. Below what is asked for it varies with
             // where the starting points fall.
             assert!((found.1 / mean - 1.0).abs() < 0.02, "{what}");
-            assert!((found.0 / error - 1.0).abs() < 0.3, "{what}");
+            assert!((found.0 / error - 1.0).abs() < 0.35, "{what}");
             assert!(
                 (found.2 as f64 / elements as f64 - 1.0).abs() < 0.25,
                 "{what}"

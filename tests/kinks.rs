@@ -8,11 +8,11 @@ mod random;
 mod recall;
 
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{LineMap, find_lines};
+use umbrage::discontinuity::{LineMap, LineTolerance, find_lines};
 use umbrage::pipeline::World;
 
 /// The lines of a world.
 fn search(world: &World) -> LineMap {
     let light = DirectLight::new(&world.scene, &world.blockers);
-    find_lines(&world.scene, &light, 0.0)
+    find_lines(&world.scene, &light, LineTolerance::default())
 }

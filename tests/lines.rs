@@ -11,7 +11,8 @@ use crate::common::tables::rows;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
 use umbrage::discontinuity::{
-    Cause, Discontinuity, DiscontinuityOrder, EventKind, FaceLines, find_lines, penumbra_width,
+    Cause, Discontinuity, DiscontinuityOrder, EventKind, FaceLines, LineTolerance, find_lines,
+    penumbra_width,
 };
 use umbrage::pipeline::World;
 use umbrage::scene::{FaceId, FaceSide};
@@ -27,7 +28,7 @@ fn lines_on(world: &World, object: &str) -> [FaceLines; 2] {
 
 fn lines_of_face(world: &World, face: FaceId) -> [FaceLines; 2] {
     let light = DirectLight::new(&world.scene, &world.blockers);
-    let mut lines = find_lines(&world.scene, &light, 0.0);
+    let mut lines = find_lines(&world.scene, &light, LineTolerance::default());
     [FaceSide::Front, FaceSide::Back].map(|side| lines.take(face, side))
 }
 

@@ -1,6 +1,6 @@
 //! Whether lines were missed: neighbouring points that see different outlines of an emitter have a line between them.
 
-use super::{CHORD_SHARE, Discontinuity, FaceLines, LineMap, Outline};
+use super::{Discontinuity, FaceLines, LineMap, LineTolerance, Outline};
 use crate::direct::DirectLight;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
@@ -32,12 +32,12 @@ pub struct OutlineCheck {
 
 /// Compares the outlines from `count` pairs of neighbouring points, spread evenly over the area of all sides.
 ///
-/// `floor` is that of [`super::find_lines`].
+/// `tolerance` is that of [`super::find_lines`].
 pub fn check_outlines(
     scene: &Scene,
     light: &DirectLight,
     lines: &LineMap,
-    floor: f64,
+    tolerance: LineTolerance,
     count: usize,
 ) -> OutlineCheck {
     let mut triangles: Vec<(f64, FaceId, FaceSide, usize)> = Vec::new();
@@ -73,7 +73,7 @@ pub fn check_outlines(
                 (face, side),
                 p,
                 turn,
-                floor,
+                tolerance,
             )
         })
         .collect();
@@ -94,7 +94,7 @@ fn compare(
     (face, side): (FaceId, FaceSide),
     p: DVec3,
     turn: f64,
-    floor: f64,
+    tolerance: LineTolerance,
 ) -> OutlineCheck {
     let f = &scene.faces[face];
     let size = f.area.sqrt();
@@ -120,7 +120,7 @@ fn compare(
         check.changed += 1;
         let is_line = |l: &Discontinuity| {
             let ends = l.ends.map(|e| f.frame.to_plane(e));
-            distance([p, q], ends) <= 2.0 * CHORD_SHARE * size
+            distance([p, q], ends) <= 2.0 * tolerance.chord * size
         };
         if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
             continue;
@@ -132,7 +132,7 @@ fn compare(
         let whole = light
             .unoccluded_from(emitter, &from, &mut Scratch::default())
             .mean();
-        if floor <= 0.0 || bend.abs() > floor * whole {
+        if tolerance.floor <= 0.0 || bend.abs() > tolerance.floor * whole {
             check.missed += 1;
         }
     }

@@ -46,8 +46,25 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Chords depart from their arc by no more than this share of the receiver's size: a tenth of an element at the finest.
-const CHORD_SHARE: f64 = 2.5e-4;
+/// What may be left out of the lines, and how closely arcs are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineTolerance {
+    /// NVE and EEE lines are left out when their predicted break is below this share of what the whole emitter gives there;
+    /// 0 keeps all.
+    pub floor: f64,
+    /// Chords depart from their arc by no more than this share of the receiver's size (the root of its area).
+    pub chord: f64,
+}
+
+impl Default for LineTolerance {
+    /// All lines; chords that a picture does not tell from their arcs.
+    fn default() -> Self {
+        Self {
+            floor: 0.0,
+            chord: 2.5e-4,
+        }
+    }
+}
 
 /// What jumps across a line: the derivative of this order of the irradiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -178,8 +195,8 @@ impl LineMap {
 
 impl FaceLines {
     /// Adds an arc and its chords.
-    fn add_arc(&mut self, scene: &Scene, mut arc: Arc) {
-        let tolerance = CHORD_SHARE * scene.faces[arc.line.face].area.sqrt();
+    fn add_arc(&mut self, scene: &Scene, mut arc: Arc, chord: f64) {
+        let tolerance = chord * scene.faces[arc.line.face].area.sqrt();
         let points = arc.conic.chorded(tolerance);
         for ends in points.windows(2) {
             self.candidates.push(Discontinuity {
@@ -223,13 +240,10 @@ fn slot(face: FaceId, side: FaceSide) -> usize {
 }
 
 /// Finds the lines of `scene`.
-///
-/// Those of the second kind (NVE, EEE) are left out when their predicted break is below the share `floor` of what the
-/// whole emitter gives there; 0 keeps all.
-pub fn find_lines(scene: &Scene, light: &DirectLight, floor: f64) -> LineMap {
+pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) -> LineMap {
     let blockers: &Blockers = light.blockers;
     let jobs = event::jobs(scene);
-    let search = event::Search::new(scene, light, floor);
+    let search = event::Search::new(scene, light, tolerance.floor);
     let mut found: Vec<Found> = jobs.par_iter().map(|job| search.run(job)).collect();
     let vertices: Vec<VertexId> = scene.vertices.ids().collect();
     found.par_extend(
@@ -242,7 +256,7 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, floor: f64) -> LineMap {
     let mut report = SearchReport::default();
     let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];
     for arc in arcs(&search, &found, &mut report) {
-        lines[slot(arc.line.face, arc.line.side)].add_arc(scene, arc);
+        lines[slot(arc.line.face, arc.line.side)].add_arc(scene, arc, tolerance.chord);
     }
     for f in found {
         report.wedges += f.wedges;

@@ -23,7 +23,9 @@ pub use summary::{LeftOut, Stage, Summary};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
-use crate::discontinuity::{Discontinuity, FaceLines, LineMap, check_outlines, find_lines};
+use crate::discontinuity::{
+    Discontinuity, FaceLines, LineMap, LineTolerance, check_outlines, find_lines,
+};
 use crate::lit_scene::LitScene;
 use crate::mesh::MeshError;
 use crate::radiosity::{Bounces, IndirectField, reached};
@@ -47,8 +49,12 @@ pub enum LightError {
 }
 
 /// Lines of the second kind are left out when they change less than this share of the error asked for, relative to what
-/// the emitter gives there unoccluded.
-const LINE_FLOOR: f64 = 0.25;
+/// the emitter gives there unoccluded: through the slats of a blind they are many, and elements are cheaper than lines.
+const LINE_FLOOR: f64 = 1.0;
+
+/// Chords of arcs are off by this share of the error asked for, relative to the size of their face: a tenth of a percent
+/// of it for an error of one.
+const LINE_CHORD: f64 = 0.1;
 
 /// Pairs of neighbouring points whose outlines of the emitters are compared, to tell whether lines were missed.
 const OUTLINE_PAIRS: usize = 200;
@@ -157,9 +163,12 @@ pub fn light<'a>(
     let direct = DirectLight::new(scene, &world.blockers);
 
     clock.start("lines", &mut summary);
-    let floor = settings.error * LINE_FLOOR;
-    let mut lines = find_lines(scene, &direct, floor);
-    lines.report.outlines = check_outlines(scene, &direct, &lines, floor, OUTLINE_PAIRS);
+    let tolerance = LineTolerance {
+        floor: settings.error * LINE_FLOOR,
+        chord: settings.error * LINE_CHORD,
+    };
+    let mut lines = find_lines(scene, &direct, tolerance);
+    lines.report.outlines = check_outlines(scene, &direct, &lines, tolerance, OUTLINE_PAIRS);
     summary.lines = lines.report;
 
     clock.start("reach", &mut summary);

@@ -10,7 +10,7 @@ use crate::common::obj_lite::ObjMesh;
 use crate::common::rng::Rng;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{Discontinuity, check_outlines, find_lines};
+use umbrage::discontinuity::{Discontinuity, LineTolerance, check_outlines, find_lines};
 use umbrage::pipeline::World;
 use umbrage::scene::{FaceId, FaceSide};
 
@@ -120,8 +120,14 @@ fn floor_of(world: &World) -> (FaceId, FaceSide) {
 fn recall((world, mesh): &(World, ObjMesh), chords: usize, rng: &mut Rng, count: &mut Count) {
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
-    let lines = find_lines(scene, &light, 0.0);
-    let outlines = check_outlines(scene, &light, &lines, 0.0, OUTLINE_PAIRS);
+    let lines = find_lines(scene, &light, LineTolerance::default());
+    let outlines = check_outlines(
+        scene,
+        &light,
+        &lines,
+        LineTolerance::default(),
+        OUTLINE_PAIRS,
+    );
     assert!(outlines.changed > 0 && outlines.missed == 0, "{outlines:?}");
     let (face, side) = floor_of(world);
     let (size, normal) = (size_of_face(scene, face), scene.normal(face, side));
@@ -154,7 +160,14 @@ fn recall((world, mesh): &(World, ObjMesh), chords: usize, rng: &mut Rng, count:
 fn precision(world: &World, step: usize, count: &mut Count) {
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
-    let lines = find_lines(scene, &light, FLOOR);
+    let lines = find_lines(
+        scene,
+        &light,
+        LineTolerance {
+            floor: FLOOR,
+            ..LineTolerance::default()
+        },
+    );
     let (face, side) = floor_of(world);
     let candidates: Vec<&Discontinuity> = all_lines(lines.of(face, side)).collect();
     for line in candidates.iter().step_by(step) {

@@ -11,7 +11,7 @@ use crate::common::rng::Rng;
 use crate::common::scenes::SHADOW_SCENES;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::check_outlines;
+use umbrage::discontinuity::{LineTolerance, check_outlines};
 use umbrage::scene::{FaceId, FaceSide, Scene};
 use umbrage::visibility::{Scratch, Viewpoint};
 
@@ -81,7 +81,13 @@ fn count(name: &str, chords: usize, rng: &mut Rng) -> Count {
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
     let lines = search(&world);
-    let outlines = check_outlines(scene, &light, &lines, 0.0, OUTLINE_PAIRS);
+    let outlines = check_outlines(
+        scene,
+        &light,
+        &lines,
+        LineTolerance::default(),
+        OUTLINE_PAIRS,
+    );
     assert!(
         outlines.changed > 0 && outlines.missed == 0,
         "{name}: {outlines:?}"

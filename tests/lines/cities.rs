@@ -4,7 +4,7 @@ use crate::common::library::{all_lines, receiver_sides, world_of_mesh};
 use crate::common::obj_lite::ObjMesh;
 use crate::common::rng::Rng;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::find_lines;
+use umbrage::discontinuity::{LineTolerance, find_lines};
 
 /// Coordinates are multiples of this, so that faces coincide and boxes touch, metres.
 const RASTER: f64 = 0.25;
@@ -82,7 +82,7 @@ fn check(seed: u64, boxes: usize) -> usize {
     let world = world_of_mesh(&format!("city {seed}"), &mesh);
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
-    let lines = find_lines(scene, &light, 0.0);
+    let lines = find_lines(scene, &light, LineTolerance::default());
     let mut count = 0;
     for (id, side) in receiver_sides(scene) {
         let face = &scene.faces[id];

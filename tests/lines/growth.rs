@@ -6,7 +6,7 @@ use crate::common::obj_lite::ObjMesh;
 use crate::common::rng::Rng;
 use std::time::Instant;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{SearchReport, find_lines};
+use umbrage::discontinuity::{LineTolerance, SearchReport, find_lines};
 
 /// Twice the boxes may cost so many times as much: linear growth, and the depth of a tree.
 const DEAREST_DOUBLING: f64 = 2.3;
@@ -46,7 +46,16 @@ fn cost(columns: usize, rows: usize) -> (f64, SearchReport) {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let one = one.expect("a thread can be started");
     let start = Instant::now();
-    let lines = one.install(|| find_lines(&world.scene, &light, FLOOR));
+    let lines = one.install(|| {
+        find_lines(
+            &world.scene,
+            &light,
+            LineTolerance {
+                floor: FLOOR,
+                ..LineTolerance::default()
+            },
+        )
+    });
     (start.elapsed().as_secs_f64(), lines.report)
 }
 

@@ -4,7 +4,7 @@ use crate::common::library::world_of_raw;
 use crate::common::scenes::shared_scene;
 use std::time::Instant;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{LineMap, find_lines};
+use umbrage::discontinuity::{LineMap, LineTolerance, find_lines};
 use umbrage::io::{ReadSettings, read_scene};
 use umbrage::scene::{FaceSide, Scene};
 
@@ -44,7 +44,14 @@ fn measure_the_search() {
         let world = world_of_raw(&raw);
         let light = DirectLight::new(&world.scene, &world.blockers);
         let start = Instant::now();
-        let lines = find_lines(&world.scene, &light, FLOOR);
+        let lines = find_lines(
+            &world.scene,
+            &light,
+            LineTolerance {
+                floor: FLOOR,
+                ..LineTolerance::default()
+            },
+        );
         eprintln!(
             "{file}: {:.2} s; {} faces, {} edges, {} vertices, {} emitters; {:?}; {:016x}",
             start.elapsed().as_secs_f64(),

@@ -6,7 +6,7 @@ use crate::common::obj_lite::ObjMesh;
 use crate::common::reference::DirectReference;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{EventKind, find_lines};
+use umbrage::discontinuity::{EventKind, LineTolerance, find_lines};
 use umbrage::scene::{FaceId, FaceSide};
 
 /// Half the floor's side, metres, and points along it at which the umbra is looked for.
@@ -83,7 +83,7 @@ fn each_piece_of_the_umbra_of_a_segment_is_bounded_by_lines() {
     let mesh = scene();
     let world = world_of_mesh("segment", &mesh);
     let light = DirectLight::new(&world.scene, &world.blockers);
-    let lines = find_lines(&world.scene, &light, 0.0);
+    let lines = find_lines(&world.scene, &light, LineTolerance::default());
     let on_floor = lines.of(FaceId(0), FaceSide::Front);
     let reference = DirectReference::new(&moved(mesh, &world.scene));
     let origin = world.scene.origin;

@@ -43,12 +43,15 @@ fn light_is_linear_in_the_emission() {
     }
 }
 
+/// Error asked for of turned scenes.
+const ASKED: f64 = 0.03;
+
 #[test]
 fn turned_and_reordered_scenes_are_as_good() {
     for name in ["crossing-blockers", "box-on-table"] {
         let raw = raw(name);
         let summary = |world: &World| {
-            let solution = bake(world, 0.03, Bounces::Count(0));
+            let solution = bake(world, ASKED, Bounces::Count(0));
             let measured = solution.measure(10_000, 3);
             (
                 measured.relative_rms,
@@ -63,10 +66,10 @@ fn turned_and_reordered_scenes_are_as_good() {
                 "{name} {how}: {found:?} instead of {:?}",
                 (error, mean, elements)
             );
-            // Ten thousand points know the mean to a percent and the error to a few. Below what is asked for it varies with
+            // Ten thousand points know the mean to a percent. How far the error stays below what is asked for depends on
             // where the starting points fall.
             assert!((found.1 / mean - 1.0).abs() < 0.02, "{what}");
-            assert!((found.0 / error - 1.0).abs() < 0.35, "{what}");
+            assert!(found.0.max(error) <= ASKED, "{what}");
             assert!(
                 (found.2 as f64 / elements as f64 - 1.0).abs() < 0.25,
                 "{what}"

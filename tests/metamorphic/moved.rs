@@ -6,7 +6,7 @@ use crate::common::scenes::read_fixture;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{Discontinuity, find_lines};
+use umbrage::discontinuity::{Discontinuity, LineTolerance, find_lines};
 use umbrage::pipeline::World;
 use umbrage::scene::FaceSide;
 
@@ -31,7 +31,11 @@ type Counts = BTreeMap<String, usize>;
 
 fn line_counts(world: &World, label: impl Fn(&Discontinuity) -> String) -> Counts {
     let scene = &world.scene;
-    let lines = find_lines(scene, &DirectLight::new(scene, &world.blockers), 0.0);
+    let lines = find_lines(
+        scene,
+        &DirectLight::new(scene, &world.blockers),
+        LineTolerance::default(),
+    );
     let mut counts = Counts::new();
     for face in scene.faces.ids() {
         for side in [FaceSide::Front, FaceSide::Back] {

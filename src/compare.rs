@@ -1,7 +1,8 @@
-//! How far two pictures are apart, in steps of 8-bit sRGB: the golden-image check.
+//! How far two pictures are apart, in steps of 8-bit sRGB and as eyes see it: the golden-image check.
 
 use crate::bad_input::BadInput;
 use crate::render::Picture;
+use ssimulacra2::{ColorPrimaries, TransferCharacteristic};
 
 /// What still counts as the same picture, in steps of 0…255.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +80,52 @@ pub fn compare(
         is_within: max_error <= tolerance.max_error && mean_error <= tolerance.mean_error,
     })
 }
+
+/// Least width and height of a picture that eyes are asked about, pixels: the smallest that the score is defined for.
+pub const SMALLEST_SEEN: u32 = 8;
+
+/// How much alike `a` and `b` look: the SSIMULACRA 2 score (Sneyers 2023), 100 for the same picture, 90 for one that is hardly
+/// told apart by flipping between them, 70 for high, 50 for medium, 30 for low quality; very different pictures are below 0.
+///
+/// `a` is the golden one: the score weighs what `b` lost and what it gained differently. None for pictures under
+/// [`SMALLEST_SEEN`] pixels.
+///
+/// # Errors
+/// When the sizes differ.
+pub fn perceptual_score(a: &Picture, b: &Picture) -> Result<Option<f64>, BadInput> {
+    same_size(a, b)?;
+    if a.width.min(a.height) < SMALLEST_SEEN {
+        return Ok(None);
+    }
+    // The score of a picture against itself is 100 but for rounding.
+    if a == b {
+        return Ok(Some(IDENTICAL));
+    }
+    let unusual = |error: &dyn std::fmt::Display| {
+        BadInput::new(
+            "compare",
+            error.to_string(),
+            "compare 8-bit pictures of one size",
+        )
+    };
+    let frame = |p: &Picture| {
+        let pixels = p.pixels.iter().map(|c| c.map(|c| f32::from(c) / 255.0));
+        ssimulacra2::Rgb::new(
+            pixels.collect(),
+            p.width as usize,
+            p.height as usize,
+            TransferCharacteristic::SRGB,
+            ColorPrimaries::BT709,
+        )
+        .map_err(|error| unusual(&error))
+    };
+    let score = ssimulacra2::compute_frame_ssimulacra2(frame(a)?, frame(b)?)
+        .map_err(|error| unusual(&error))?;
+    Ok(Some(score))
+}
+
+/// Score of the same picture.
+const IDENTICAL: f64 = 100.0;
 
 /// A picture of where `a` and `b` differ.
 ///
@@ -186,6 +233,48 @@ mod tests {
         assert_eq!(found.pixels[2][0], 255);
         assert!(found.pixels[2][2] == 0 && found.pixels[2][1] < 64);
         assert_eq!(found.pixels[3], [255; 3]);
+    }
+
+    /// A picture of smooth waves, each pixel changed by `change`.
+    fn waves(change: impl Fn(u32, u32) -> f64) -> Picture {
+        let (width, height) = (64, 48);
+        let value = |x: u32, y: u32| {
+            let wave = 110.0 + 60.0 * (f64::from(x) / 9.0).sin() * (f64::from(y) / 7.0).cos();
+            [(wave + change(x, y)).clamp(0.0, 255.0) as u8; 3]
+        };
+        Picture {
+            width,
+            height,
+            pixels: (0..height)
+                .flat_map(|y| (0..width).map(move |x| (x, y)))
+                .map(|(x, y)| value(x, y))
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn the_score_falls_with_what_eyes_see_and_not_with_the_sum_of_steps() {
+        let golden = waves(|_, _| 0.0);
+        let score = |b: &Picture| perceptual_score(&golden, b).unwrap().unwrap();
+        assert!((score(&golden) - 100.0).abs() < 1e-9);
+        // One step brighter everywhere is invisible; a dark square with the same sum of steps is seen at once.
+        let square = |steps: f64| {
+            let darker = |x: u32, y: u32| (20..36).contains(&x) && (16..28).contains(&y);
+            waves(move |x, y| if darker(x, y) { -steps } else { 0.0 })
+        };
+        let (brighter, dark) = (score(&waves(|_, _| 1.0)), score(&square(16.0)));
+        assert!(
+            brighter > 95.0 && dark < brighter - 5.0,
+            "{brighter} {dark}"
+        );
+        assert!(score(&square(48.0)) < dark - 10.0);
+    }
+
+    #[test]
+    fn small_pictures_have_no_score() {
+        let a = grey([0, 1, 100, 255]);
+        assert_eq!(perceptual_score(&a, &a).unwrap(), None);
+        assert!(perceptual_score(&a, &waves(|_, _| 0.0)).is_err());
     }
 
     #[test]

@@ -18,7 +18,7 @@
 //! | [`radiosity`] | a coarse mesh | the light by way of other faces | Lischinski, Tampieri & Greenberg 1993; Atkinson & Chien 1998 |
 //! | [`adapt`] | an error | the display mesh: which lines and elements it takes, and values that fit the light | Dörfler 1996; Dyn, Levin & Rippa 1990; Kavan, Bargteil & Sloan 2011 |
 //! | [`pipeline`] | all of these | a [`Solution`](pipeline::Solution), measured against the exact light | |
-//! | [`io`], [`render`] | a solution | a lit glTF, a picture of it | |
+//! | [`io`], [`render`], [`viewer`] | a solution | a lit glTF, a picture of it, a page to look around in | |
 //!
 //! Each module's own page tells where it departs from the papers and why.
 //!
@@ -84,9 +84,11 @@ pub mod pipeline;
 pub mod quantity;
 pub mod radiosity;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod texture;
+pub mod viewer;
 pub mod visibility;
 pub mod warning;
 

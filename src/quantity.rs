@@ -120,6 +120,21 @@ quantity!(
     Radiance
 );
 
+/// Lumens a watt of equal power in all three channels: what Radiance takes for white light over the visible spectrum
+/// (Ward, *The RADIANCE Lighting Simulation and Rendering System*, 1994). Scenes whose numbers mean something else state
+/// their own.
+pub const WHITE_EFFICACY: f64 = 179.0;
+
+/// What each channel of linear sRGB adds to the luminance of white (IEC 61966-2-1).
+pub const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
+
+impl Irradiance {
+    /// Illuminance in lux at `efficacy` lumens a watt of white.
+    pub fn illuminance(self, efficacy: f64) -> f64 {
+        efficacy * self.0.0.dot(LUMINANCE_WEIGHTS.0)
+    }
+}
+
 impl Exitance {
     /// `M = π L` of a diffuse emitter.
     pub fn from_radiance(radiance: Radiance) -> Self {

@@ -2,7 +2,9 @@
 
 mod commands;
 mod hostile;
+mod pictures;
 mod probe;
+mod report;
 
 use crate::common::scenes::fixture;
 use std::ffi::OsStr;

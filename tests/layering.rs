@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last stage; those on one line do not use each other, but for their own.
-const RANKS: [&[&str]; 17] = [
+const RANKS: [&[&str]; 18] = [
     &["bad_input", "warning", "quantity"],
     &["geom"],
     &["texture"],
@@ -20,7 +20,8 @@ const RANKS: [&[&str]; 17] = [
     &["bake"],
     &["render"],
     &["io"],
-    &["compare", "report"],
+    &["compare", "viewer"],
+    &["report"],
 ];
 
 /// The program, after all of the library.

@@ -5,6 +5,7 @@ use super::compare::CompareArgs;
 use super::inspect::InspectArgs;
 use super::probe::ProbeArgs;
 use super::render::RenderArgs;
+use super::report::ReportArgs;
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -28,6 +29,8 @@ pub(super) enum Command {
     Render(RenderArgs),
     /// Golden-image check: exit code 0 within the tolerance, 1 beyond it
     Compare(CompareArgs),
+    /// Error against run time and elements for every way to mesh and solve: tables, plots and one page
+    Report(ReportArgs),
 }
 
 /// How a scene is read and lit.

@@ -132,7 +132,7 @@ fn bake_one(args: &BakeArgs, scene: &SceneArgs, output: &Path) -> anyhow::Result
     if let Some(path) = &png {
         let start = Instant::now();
         let model = read_lit(&output.display().to_string(), &files[0].1)?;
-        let image = picture::take(&model, &CameraChoice::Auto, None, None)?;
+        let image = picture::take(&model, &CameraChoice::Auto, None, None, None)?;
         files.push((path, write_png(&image)));
         let seconds = start.elapsed().as_secs_f64();
         lit.solution.summary.add_time("picture", seconds);

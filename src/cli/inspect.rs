@@ -1,18 +1,22 @@
 //! `umbrage inspect`: what the mesher saw.
 
 use super::args::SceneArgs;
-use super::table::{faces_table, summary_table};
+use super::faces::{Side, find_face};
+use super::table::{faces_table, statistics_table, summary_table};
 use super::{Outcome, lighting, options, terminal};
-use clap::{Args as ClapArgs, ValueEnum};
+use clap::Args as ClapArgs;
 use std::path::{Path, PathBuf};
 use umbrage::bad_input::BadInput;
 use umbrage::discontinuity::DiscontinuityOrder;
 use umbrage::io::{
-    LineSet, candidates_csv, face_svg, lines_csv, write_atomically, write_lines_glb,
+    LineSet, candidates_csv, face_svg, lines_csv, read_lit, write_atomically, write_lines_glb,
 };
 use umbrage::pipeline::{EdgeRole, Solution, line_records, mesh_edges};
-use umbrage::scene::{FaceId, FaceSide, Scene};
+use umbrage::quantity::WHITE_EFFICACY;
+use umbrage::render::{LightUnit, LitModel};
+use umbrage::scene::{FaceId, FaceSide};
 use umbrage::settings::Exposure;
+use umbrage::viewer::Page;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct InspectArgs {
@@ -27,23 +31,28 @@ pub(super) struct InspectArgs {
     /// Element edges over faint faces, discontinuities coloured by order
     #[arg(long, value_name = "FILE.glb")]
     mesh: Option<PathBuf>,
+    /// A page to look around in with any browser: the light, its error, the lines and what makes them.
+    /// LIT.glb instead of a scene shows the light that the file holds
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
+    /// Lumens a watt of white, for illuminance
+    #[arg(long, value_name = "LM/W", default_value_t = WHITE_EFFICACY, value_parser = options::efficacy)]
+    efficacy: f64,
     /// One face flat and to scale
     #[arg(long, value_name = "FACE.svg", requires = "face")]
     svg: Option<PathBuf>,
-    /// The face of --svg: the name of its object, or its number; -v lists them
-    #[arg(long, value_name = "NAME|INDEX", requires = "svg")]
+    /// Least, mean and most light on every face, or on --face, and its uniformity (least / mean): what the mesh shows
+    #[arg(long)]
+    statistics: bool,
+    /// --statistics in lux instead of W/m² (mean of the channels)
+    #[arg(long, requires = "statistics")]
+    lux: bool,
+    /// The face of --svg and --statistics: the name of its object, or its number; -v lists them
+    #[arg(long, value_name = "NAME|INDEX")]
     face: Option<String>,
     /// The side of --face
     #[arg(long, value_enum, default_value_t = Side::Front)]
     side: Side,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Side {
-    /// From which its corners turn counter-clockwise
-    Front,
-    /// The other one
-    Back,
 }
 
 /// Colours of the sets of lines, linear: grey elements, black outlines, and D0, D1, D2 as in the drawings of faces.
@@ -69,19 +78,33 @@ const SETS: [(&str, EdgeRole, [f64; 3]); 5] = [
 
 pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     let scene = &args.scene;
-    let outputs: Vec<&Path> = [&args.lines, &args.candidates, &args.mesh, &args.svg]
-        .into_iter()
-        .flatten()
-        .map(PathBuf::as_path)
-        .collect();
+    let outputs: Vec<&Path> = [
+        &args.lines,
+        &args.candidates,
+        &args.mesh,
+        &args.html,
+        &args.svg,
+    ]
+    .into_iter()
+    .flatten()
+    .map(PathBuf::as_path)
+    .collect();
     options::check_outputs(scene, &outputs)?;
     options::use_threads(scene.threads)?;
+    if args.face.is_some() && args.svg.is_none() && !args.statistics {
+        return Err(BadInput::new(
+            "--face",
+            "nothing is asked about the face",
+            "add --statistics, or --svg FACE.svg",
+        )
+        .into());
+    }
+    if let Some((path, model)) = scene.scene.as_ref().zip(lit_model(args)?) {
+        return inspect_lit(args, path, &model);
+    }
     let prepared = lighting::prepare(scene, Exposure::Auto)?;
     // A wrong name is told before the work, not after it.
-    let side = match args.side {
-        Side::Front => FaceSide::Front,
-        Side::Back => FaceSide::Back,
-    };
+    let side = args.side.into();
     let face = args.face.as_ref();
     let face = face
         .map(|name| find_face(&prepared.world.scene, name))
@@ -100,6 +123,10 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     if let Some(path) = &args.mesh {
         files.push((path, mesh_glb(solution)));
     }
+    if let Some(path) = &args.html {
+        let page = Page::of_solution(solution, Some(args.efficacy))?;
+        files.push((path, page.html().into_bytes()));
+    }
     if let (Some(path), Some(face)) = (&args.svg, face) {
         let svg = face_svg(solution, find_receiver(solution, face, side)?);
         files.push((path, svg.into_bytes()));
@@ -113,6 +140,16 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         if files.is_empty() || scene.verbose {
             text = summary_table(&prepared.world, lit.summary());
         }
+        if args.statistics {
+            let unit = match args.lux {
+                true => LightUnit::Lux {
+                    efficacy: args.efficacy,
+                },
+                false => LightUnit::WattsPerSquareMetre,
+            };
+            let only = face.map(|f| find_receiver(solution, f, side)).transpose()?;
+            text = statistics_table(solution, only, unit);
+        }
         if scene.verbose {
             text.push_str(&faces_table(solution));
         }
@@ -120,6 +157,44 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
             text.push_str(&options::written(path, bytes.len()));
         }
         terminal::print(&text)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The lit model in the file, when it is one that was baked and a page of it is asked for.
+fn lit_model(args: &InspectArgs) -> Result<Option<LitModel>, BadInput> {
+    let Some(path) = args.scene.scene.as_ref().filter(|_| args.html.is_some()) else {
+        return Ok(None);
+    };
+    if path
+        .extension()
+        .is_none_or(|e| !e.eq_ignore_ascii_case("glb"))
+    {
+        return Ok(None);
+    }
+    let bytes = options::read_file(path)?;
+    let model = read_lit(&path.display().to_string(), &bytes);
+    Ok(model.ok().filter(|model| model.exposure.is_some()))
+}
+
+/// A page of a lit file, which holds nothing else of what `inspect` can tell.
+fn inspect_lit(args: &InspectArgs, lit: &Path, model: &LitModel) -> anyhow::Result<Outcome> {
+    let others = [&args.lines, &args.candidates, &args.mesh, &args.svg];
+    if others.iter().any(|o| o.is_some()) || args.scene.json.is_some() {
+        return Err(BadInput::new(
+            lit.display().to_string(),
+            "is lit already: it holds its light, but neither lines nor faces",
+            "give the scene that it was baked from, or --html alone",
+        )
+        .into());
+    }
+    let Some(path) = &args.html else {
+        return Ok(Outcome::Done);
+    };
+    let html = Page::of_model(model, Some(args.efficacy))?.html();
+    write_atomically(path, html.as_bytes())?;
+    if !args.scene.quiet {
+        terminal::print(&options::written(path, html.len()))?;
     }
     Ok(Outcome::Done)
 }
@@ -142,37 +217,6 @@ fn mesh_glb(solution: &Solution) -> Vec<u8> {
     }
     let lit = solution.lit_scene();
     write_lines_glb(lit.origin, &lit.meshes, &sets)
-}
-
-/// The face of that object, or of that number; names go before numbers.
-fn find_face(scene: &Scene, name: &str) -> Result<FaceId, BadInput> {
-    let named: Vec<FaceId> = scene
-        .faces
-        .iter()
-        .filter(|(_, f)| scene.groups[f.group as usize] == name)
-        .map(|(id, _)| id)
-        .collect();
-    let bad = |what: String, remedy: &str| Err(BadInput::new("--face", what, remedy));
-    match named[..] {
-        [face] => Ok(face),
-        [] => match name.parse::<usize>() {
-            Ok(index) if index < scene.faces.len() => Ok(FaceId::from(index)),
-            _ => bad(
-                format!(
-                    "\"{name}\" is neither the name of an object with one face nor a number below {}",
-                    scene.faces.len()
-                ),
-                "umbrage inspect SCENE -v lists the faces",
-            ),
-        },
-        _ => {
-            let numbers: Vec<String> = named.iter().map(ToString::to_string).collect();
-            bad(
-                format!("\"{name}\" has {} faces", named.len()),
-                &format!("give one of their numbers: {}", numbers.join(", ")),
-            )
-        }
-    }
 }
 
 fn find_receiver(solution: &Solution, face: FaceId, side: FaceSide) -> Result<usize, BadInput> {

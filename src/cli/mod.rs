@@ -3,6 +3,7 @@
 mod args;
 mod bake;
 mod compare;
+mod faces;
 mod fault;
 mod inspect;
 mod interrupt;
@@ -13,7 +14,7 @@ mod picture;
 mod probe;
 mod progress;
 mod render;
-
+mod report;
 mod table;
 mod terminal;
 mod usage;
@@ -64,6 +65,7 @@ fn run(command: &Command) -> anyhow::Result<Outcome> {
         Command::Inspect(a) => inspect::run(a),
         Command::Render(a) => render::run(a),
         Command::Compare(a) => compare::run(a),
+        Command::Report(a) => report::run(a),
     }
 }
 

@@ -214,6 +214,22 @@ pub(super) fn vector(text: &str) -> Result<DVec3, String> {
     }
 }
 
+/// A number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("give a number above 0".to_owned()),
+    }
+}
+
+/// Lumens a watt, above zero.
+pub(super) fn efficacy(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(lm) if lm > 0.0 && lm.is_finite() => Ok(lm),
+        _ => Err("give lumens a watt, such as 179 (or 1 where the scene is in lumens)".to_owned()),
+    }
+}
+
 /// Degrees between 0 and 180, as radians.
 pub(super) fn angle(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -2,7 +2,10 @@
 
 use super::options::PictureSize;
 use umbrage::bad_input::BadInput;
-use umbrage::render::{CameraChoice, LitModel, Picture, RenderSettings, choose_camera, render};
+use umbrage::render::{
+    CameraChoice, ColourScale, LitModel, Picture, RenderSettings, choose_camera, render,
+    render_false_colour, with_legend,
+};
 
 /// The longer side of a picture whose size nobody stated, pixels.
 const DEFAULT_SIZE: u32 = 512;
@@ -25,12 +28,13 @@ pub(super) struct Lens {
     pub(super) supersample: Option<u32>,
 }
 
-/// The picture of `model`. Without a size it has 512 pixels along its longer side, in the camera's own shape.
+/// The picture of `model`, in false colours with their scale below it when one is given. Without a size it has 512 pixels along its longer side, in the camera's own shape.
 pub(super) fn take(
     model: &LitModel,
     choice: &CameraChoice,
     size: Option<PictureSize>,
     lens: Option<Lens>,
+    false_colours: Option<&ColourScale>,
 ) -> Result<Picture, BadInput> {
     let shape = |s: PictureSize| f64::from(s.width) / f64::from(s.height);
     let mut camera = choose_camera(choice, model, size.map_or(1.0, shape))?;
@@ -47,7 +51,13 @@ pub(super) fn take(
     if let Some(n) = lens.supersample {
         settings.supersample = n;
     }
-    Ok(render(model, &settings)?.to_srgb())
+    match false_colours {
+        None => Ok(render(model, &settings)?.to_srgb()),
+        Some(scale) => {
+            let image = render_false_colour(model, &settings, scale)?;
+            Ok(with_legend(&image.to_srgb(), scale))
+        }
+    }
 }
 
 fn default_size(aspect: f64) -> PictureSize {

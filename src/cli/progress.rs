@@ -31,6 +31,14 @@ impl Bar {
         }
     }
 
+    /// Shows what is being done where nobody knows how long it takes.
+    pub(super) fn tell(&self, what: &str) {
+        if let Some(bar) = &self.0 {
+            bar.set_message(what.to_owned());
+            bar.tick();
+        }
+    }
+
     /// Clears the line.
     pub(super) fn finish(self) {
         if let Some(bar) = self.0 {

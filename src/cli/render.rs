@@ -7,7 +7,8 @@ use clap::Args as ClapArgs;
 use glam::DVec3;
 use std::path::PathBuf;
 use umbrage::io::{read_lit, write_atomically, write_png};
-use umbrage::render::CameraChoice;
+use umbrage::quantity::WHITE_EFFICACY;
+use umbrage::render::{CameraChoice, ColourScale, LightUnit, LitModel, round_top};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct RenderArgs {
@@ -41,6 +42,18 @@ pub(super) struct RenderArgs {
     /// Rays along each side of a pixel, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 2)]
     supersample: u32,
+    /// The light that arrives at the surfaces as colours, W/m² (mean of the channels), with its scale below the picture
+    #[arg(long)]
+    false_colour: bool,
+    /// Illuminance in lux instead of W/m²
+    #[arg(long, requires = "false_colour")]
+    lux: bool,
+    /// Lumens a watt of white, for --lux
+    #[arg(long, value_name = "LM/W", requires = "lux", value_parser = options::efficacy)]
+    efficacy: Option<f64>,
+    /// End of the scale of --false-colour; a round number that at most 3 % of the area exceed when left out
+    #[arg(long, value_name = "VALUE", requires = "false_colour", value_parser = options::positive)]
+    scale: Option<f64>,
     /// Threads; all processors when left out
     #[arg(long)]
     threads: Option<usize>,
@@ -71,10 +84,45 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
         field_of_view: vertical.or(args.hfov.map(FieldOfView::Horizontal)),
         supersample: Some(args.supersample),
     };
-    let png = write_png(&picture::take(&model, &choice, args.size, Some(lens))?);
+    let scale = args.false_colour.then(|| scale(args, &model));
+    let picture = picture::take(&model, &choice, args.size, Some(lens), scale.as_ref())?;
+    let png = write_png(&picture);
     write_atomically(&args.output, &png)?;
     if !args.quiet {
-        terminal::print(&options::written(&args.output, png.len()))?;
+        let mut text = options::written(&args.output, png.len());
+        if let Some(scale) = scale {
+            text.push_str(&told(&scale));
+        }
+        terminal::print(&text)?;
     }
     Ok(Outcome::Done)
+}
+
+/// The scale that was asked for, or one that fits the model.
+fn scale(args: &RenderArgs, model: &LitModel) -> ColourScale {
+    let unit = if args.lux {
+        LightUnit::Lux {
+            efficacy: args.efficacy.unwrap_or(WHITE_EFFICACY),
+        }
+    } else {
+        LightUnit::WattsPerSquareMetre
+    };
+    let top = args.scale.unwrap_or_else(|| {
+        let light = model.triangle_light();
+        round_top(light.into_iter().map(|(e, area)| (unit.of(e), area)))
+    });
+    ColourScale { unit, top }
+}
+
+/// What the colours stand for.
+fn told(scale: &ColourScale) -> String {
+    let (top, unit) = (scale.top, scale.unit.name());
+    match scale.unit {
+        LightUnit::WattsPerSquareMetre => {
+            format!("scale        0 to {top} {unit}, mean of the channels\n")
+        }
+        LightUnit::Lux { efficacy } => {
+            format!("scale        0 to {top} {unit}, at {efficacy} lm/W of white\n")
+        }
+    }
 }

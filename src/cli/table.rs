@@ -3,6 +3,8 @@
 use super::{memory, options};
 use std::fmt::Write;
 use umbrage::pipeline::{Solution, Summary, World};
+use umbrage::render::LightUnit;
+use umbrage::report::LightStatistics;
 use umbrage::scene::{CleanReport, FaceSide};
 
 /// Everything worth knowing about a run in some fifteen lines.
@@ -155,6 +157,63 @@ fn significant(x: f64) -> String {
     }
 }
 
+/// Light on receiver number `only`, or on every lit side.
+pub(super) fn statistics_table(
+    solution: &Solution,
+    only: Option<usize>,
+    unit: LightUnit,
+) -> String {
+    let mut rows = Rows::default();
+    let scene = &solution.world.scene;
+    let name = match unit {
+        LightUnit::WattsPerSquareMetre => "W/m², mean of the channels".to_owned(),
+        LightUnit::Lux { efficacy } => format!("lx, at {efficacy} lm/W of white"),
+    };
+    let _ = writeln!(
+        rows.text,
+        "light        {name}\n  face side          min       mean        max  min/mean    area m²  object"
+    );
+    for (i, r) in solution.receivers.iter().enumerate() {
+        if only.is_some_and(|o| o != i) || r.mesh.elements.is_empty() {
+            continue;
+        }
+        let face = r.domain.face;
+        let found = LightStatistics::of_receiver(r, unit);
+        let _ = writeln!(
+            rows.text,
+            "{:>6} {:<6} {:>10} {:>10} {:>10} {:>9.3} {:>10}  {}",
+            face.0,
+            side_name(r.domain.side),
+            significant(found.min),
+            significant(found.mean),
+            significant(found.max),
+            found.uniformity(),
+            significant(r.area()),
+            scene.groups[scene.faces[face].group as usize],
+        );
+    }
+    rows.text
+}
+
+/// Light at the points of a grid, as [`statistics_table`] says it of faces.
+pub(super) fn points_line(found: &LightStatistics, points: usize, unit: &str) -> String {
+    format!(
+        "light        {}: min {}, mean {}, max {} {unit}, min/mean {:.3}\n",
+        count(points, "point"),
+        significant(found.min),
+        significant(found.mean),
+        significant(found.max),
+        found.uniformity(),
+    )
+}
+
+fn side_name(side: FaceSide) -> &'static str {
+    match side {
+        FaceSide::Front => "front",
+        FaceSide::Back => "back",
+    }
+}
+
 /// Every lit side with its number, which `--face` takes.
 pub(super) fn faces_table(solution: &Solution) -> String {
     let mut rows = Rows::default();
@@ -170,11 +229,7 @@ pub(super) fn faces_table(solution: &Solution) -> String {
             rows.text,
             "{:>6} {:<6} {:>8} {:>6} {:>6} {:>10}  {}, {}{}",
             id.0,
-            if r.domain.side == FaceSide::Front {
-                "front"
-            } else {
-                "back"
-            },
+            side_name(r.domain.side),
             r.mesh.elements.len(),
             lines.contacts.len() + lines.candidates.len(),
             lines.contacts.len() + r.kept().count(),

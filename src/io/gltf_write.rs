@@ -9,7 +9,8 @@
 //! | a side that emits | white | `(M + ρ E) / π × exposure` |
 //!
 //! both clamped to 0…1, since glTF allows no more. `_RADIOSITY` holds `M + ρ E` in W/m², unclamped; where there is a texture,
-//! with its mean over the face for ρ. Pictures keep the bytes they came in.
+//! with its mean over the face for ρ. Pictures keep the bytes they came in. The primitives of sides
+//! that emit say `exitance` (M, W/m²) and `reflectance` in their extras.
 //!
 //! `COLOR_0` is linear, and float: 8 bits would band in the darks; 16 bits need a fourth component to stay aligned, save a
 //! twelfth of the file, and still show steps in a viewer that brightens the picture.
@@ -22,6 +23,7 @@ use glam::{DMat3, DQuat, DVec3};
 use gltf_json as gj;
 use gltf_json::mesh::{Mode, Semantic};
 use gltf_json::validation::Checked::Valid;
+use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -194,8 +196,17 @@ fn write_primitive(
         mode: Valid(Mode::Triangles),
         targets: None,
         extensions: None,
-        extras: None,
+        extras: (look == Look::Emitting).then(|| emitter_extras(meshes[0])),
     }
+}
+
+/// What a side that emits has of its own: its `COLOR_0` alone does not tell how much of it was reflected.
+fn emitter_extras(mesh: &LitMesh) -> Box<RawValue> {
+    to_raw_value(&json!({
+        "exitance": mesh.exitance.0.to_array(),
+        "reflectance": mesh.reflectance.to_array(),
+    }))
+    .expect("numbers and texts are JSON")
 }
 
 /// `radiance × exposure`, clamped to what `COLOR_0` may hold.

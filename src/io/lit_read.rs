@@ -8,8 +8,8 @@ use super::gltf_data::place::{local_matrix, normal_matrix};
 use super::gltf_data::texture::UvSource;
 use super::gltf_data::{document, texture};
 use crate::bad_input::BadInput;
-use crate::quantity::{Radiosity, Rgb};
-use crate::render::{LitModel, LitPart};
+use crate::quantity::{Exitance, Radiosity, Rgb};
+use crate::render::{EmitterSide, LitModel, LitPart};
 use crate::scene::Camera;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use gltf::Semantic;
@@ -158,6 +158,8 @@ impl Reader<'_> {
 
         let material = primitive.material();
         let [r, g, b, alpha] = material.pbr_metallic_roughness().base_color_factor();
+        let emitter = read_emitter(primitive)
+            .map_err(|what| broken(self.source, format!("the extras of '{name}' {what}")))?;
         let upright = normal_matrix(world);
         let map = |list: Vec<[f64; 3]>, change: &dyn Fn(DVec3) -> DVec3| {
             list.into_iter()
@@ -185,6 +187,7 @@ impl Reader<'_> {
                 .flatten()
                 .collect(),
             triangles,
+            emitter,
         }))
     }
 
@@ -257,6 +260,25 @@ fn read_camera(node: &gltf::Node<'_>, world: DMat4) -> Option<Camera> {
         vertical_fov_rad: f64::from(lens.yfov()),
         aspect: lens.aspect_ratio().map(f64::from),
     })
+}
+
+/// What the file says of a side that emits.
+fn read_emitter(primitive: &gltf::Primitive<'_>) -> Result<Option<EmitterSide>, String> {
+    let Some(text) = primitive.extras() else {
+        return Ok(None);
+    };
+    let extras: serde_json::Value =
+        serde_json::from_str(text.get()).map_err(|error| format!("are no JSON: {error}"))?;
+    let channels = |name: &str| {
+        let list: [f64; 3] = serde_json::from_value(extras.get(name)?.clone()).ok()?;
+        Some(Rgb(list.into()))
+    };
+    Ok(channels("exitance")
+        .zip(channels("reflectance"))
+        .map(|(exitance, reflectance)| EmitterSide {
+            exitance: Exitance(exitance),
+            reflectance,
+        }))
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ pub use gltf_write::write_glb;
 pub use line_table::{candidates_csv, cause_name, lines_csv};
 pub use lit_read::read_lit;
 pub use png::{read_png, write_png};
-pub use sensor_list::{SensorList, read_sensors};
+pub use sensor_list::{SensorList, read_sensors, readings_csv};
 pub use units::{Unit, UpAxis};
 
 use crate::bad_input::BadInput;

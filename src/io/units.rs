@@ -71,6 +71,14 @@ impl UpAxis {
             Self::Z => DVec3::new(v.x, v.z, -v.y),
         }
     }
+
+    /// The way back: a vector with y up as the file would write it.
+    pub fn from_y_up(self, v: DVec3) -> DVec3 {
+        match self {
+            Self::Y => v,
+            Self::Z => DVec3::new(v.x, -v.z, v.y),
+        }
+    }
 }
 
 impl FromStr for UpAxis {

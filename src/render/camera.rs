@@ -122,13 +122,21 @@ fn look_at(
 
 /// The whole of `model` from +z.
 fn frame(model: &LitModel, aspect: f64) -> Result<Camera, BadInput> {
-    let [low, high] = model.bounds().ok_or_else(|| {
+    let bounds = model.bounds().ok_or_else(|| {
         BadInput::new(
             &model.source,
             "holds nothing to look at",
             "bake a scene with surfaces, or give --eye and --target",
         )
     })?;
+    frame_box(bounds, aspect)
+}
+
+/// A camera that sees the whole of a box, by its corners (metres), from +z.
+///
+/// # Errors
+/// When a corner is not finite.
+pub fn frame_box([low, high]: [DVec3; 2], aspect: f64) -> Result<Camera, BadInput> {
     let (middle, half) = (low.midpoint(high), (high - low) / 2.0);
     let slope = (DEFAULT_FOV_RAD / 2.0).tan();
     let away = (half.y / slope).max(half.x / (slope * aspect)) * MARGIN;

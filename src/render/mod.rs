@@ -1,16 +1,24 @@
 //! Pictures of a lit model, as an unlit glTF viewer shows it: `baseColor × COLOR_0`, fronts only, no light computed.
 
 mod camera;
+mod colour_map;
+mod false_colour;
+mod glyphs;
 mod image;
+mod irradiance;
+mod legend;
 mod raycast;
 mod surface;
 
 pub use crate::texture::{srgb_decode, srgb_encode};
-pub use camera::{CameraChoice, choose_camera};
+pub use camera::{CameraChoice, choose_camera, frame_box};
+pub use colour_map::{COLOUR_MAP, ColourScale, LightUnit, false_colour, round_top};
+pub use false_colour::render_false_colour;
 pub use image::{Image, Picture};
+pub use legend::{LEGEND_HEIGHT, with_legend};
 pub use raycast::{MAX_SIZE, MAX_SUPERSAMPLE, RenderSettings, render};
 
-use crate::quantity::{Radiosity, Rgb};
+use crate::quantity::{Exitance, Radiosity, Rgb};
 use crate::scene::Camera;
 use crate::texture::Texture;
 use glam::{DVec2, DVec3};
@@ -59,6 +67,17 @@ pub struct LitPart {
     pub radiosities: Vec<Radiosity>,
     /// Counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// What the surface emits and reflects, where it emits.
+    pub emitter: Option<EmitterSide>,
+}
+
+/// A side that emits: `COLOR_0` of its part shows what it emits and what it reflects together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EmitterSide {
+    /// W/m².
+    pub exitance: Exitance,
+    /// Diffuse reflectance, 0…1.
+    pub reflectance: Rgb,
 }
 
 impl LitModel {

@@ -130,6 +130,19 @@ fn compare_tells_same_different_and_incomparable_apart() {
     );
     assert!(folder.read("d.png").starts_with(b"\x89PNG"));
     folder.done("compare a.png b.png --max-error 255 --mean-error 255");
+    // Not the same to eyes either, whatever the steps.
+    let loose = "compare a.png b.png --max-error 255 --mean-error 255 --json c.json --min-score";
+    let seen = folder.run(&format!("{loose} 99.9"));
+    assert_eq!(seen.code, Some(1), "{}", seen.out);
+    assert!(seen.out.contains("(at least 99.9)"), "{}", seen.out);
+    let json: Value = serde_json::from_str(&folder.text("c.json")).expect("JSON");
+    let score = json["ssimulacra2"].as_f64().expect("a score");
+    assert!(score < 99.9 && json["is_same"] == false, "{json}");
+    folder.done(&format!("{loose} {}", score - 0.01));
+    folder.refused(
+        "compare a.png b.png --min-score 101",
+        "no picture has such a score",
+    );
     folder.refused("compare a.png c.png", "30 × 30");
     folder.refused("compare a.png none.png", "none.png: cannot be read");
     folder.refused("compare a.png b.png --diff b.png", "would be written over");
@@ -253,4 +266,37 @@ fn an_interrupted_bake_leaves_nothing() {
     let status = child.wait().expect("the program ends");
     assert_eq!(status.code(), Some(130));
     assert_eq!(folder.names(), [""; 0]);
+}
+
+#[test]
+fn statistics_of_a_face_are_those_of_its_light() {
+    let folder = Folder::new();
+    let scene = small();
+    let run = folder.done(&format!(
+        "inspect {scene} --error 0.02 --bounces 0 --statistics --face floor"
+    ));
+    let row = run
+        .out
+        .lines()
+        .find(|l| l.ends_with("floor"))
+        .expect("the floor");
+    let word = |i: usize| row.split_whitespace().nth(i).expect("a number");
+    let [min, mean, max, even] = [2, 3, 4, 5].map(|i| word(i).parse::<f64>().expect("a number"));
+    assert!(min >= 0.0 && min < mean && mean < max, "{row}");
+    assert!((min / mean - even).abs() < 1e-3, "{row}");
+    // The mean on a fine grid of exact points.
+    folder.done(&format!(
+        "probe {scene} --grid floor --spacing 0.1 --from exact --terms direct -o p.txt --quiet"
+    ));
+    let text = folder.text("p.txt");
+    let light = text
+        .split_whitespace()
+        .map(|w| w.parse::<f64>().expect("a number"));
+    let exact = light.sum::<f64>() / (3 * text.lines().count()) as f64;
+    assert!((mean / exact - 1.0).abs() < 0.01, "{mean} {exact}");
+    let lux = folder.done(&format!(
+        "inspect {scene} --error 0.1 --bounces 0 --statistics --lux --efficacy 683"
+    ));
+    assert!(lux.out.contains("lx, at 683 lm/W"), "{}", lux.out);
+    folder.refused(&format!("inspect {scene} --face floor"), "--statistics");
 }

@@ -172,3 +172,53 @@ fn bad_points_are_named_by_file_and_line() {
         "none.txt: cannot be read",
     );
 }
+
+#[test]
+fn tables_go_in_and_come_out_and_grids_make_their_own_points() {
+    let folder = Folder::new();
+    let scene = small();
+    let options = "--from exact --terms direct --quiet";
+    folder.done(&format!(
+        "probe {scene} --grid floor --spacing 0.5 --height 0.05 --csv -o grid.csv {options}"
+    ));
+    let table = folder.text("grid.csv");
+    assert!(
+        table.starts_with("x,y,z,nx,ny,nz,E_r,E_g,E_b,lux\n"),
+        "{table}"
+    );
+    let points: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').map(|w| w.parse().expect("a number")).collect())
+        .collect();
+    // The floor is 6 m wide.
+    assert_eq!(points.len(), 144);
+    assert!(
+        points
+            .iter()
+            .all(|p| (p[1] - 0.05).abs() < 1e-12 && p[4] > 0.99)
+    );
+    for p in &points {
+        let lux = 179.0 * (0.2126 * p[6] + 0.7152 * p[7] + 0.0722 * p[8]);
+        assert!((lux - p[9]).abs() <= 1e-5 * lux, "{p:?}");
+    }
+    // A table that came out is read again, and gives itself.
+    folder.done(&format!(
+        "probe {scene} --points grid.csv --csv -o again.csv {options}"
+    ));
+    assert_eq!(folder.text("again.csv"), table);
+
+    let run = folder.done(&format!(
+        "probe {scene} --grid floor --csv -o mesh.csv --error 0.1 --terms direct"
+    ));
+    assert!(run.out.contains("min/mean"), "{}", run.out);
+    folder.refused(
+        &format!("probe {scene} --grid ceiling"),
+        "--grid: \"ceiling\" is neither",
+    );
+    folder.refused(
+        &format!("probe {scene} --grid floor --height 1"),
+        "add --from exact",
+    );
+    folder.refused(&format!("probe {scene}"), "--points");
+}

@@ -1,0 +1,186 @@
+//! Stiff and extreme scenes: is the light finite, not negative, balanced, and as exact as is said?
+
+use super::scenes::{blinds, box_on_floor, door_ajar, furnace, moved, square_over_square};
+use crate::adapt::Receiver;
+use crate::io::builtin::cornell_box;
+use crate::pipeline::{LightError, Solution, World, light};
+use crate::quantity::Rgb;
+use crate::radiosity::Bounces;
+use crate::scene::{FaceSide, RawScene};
+use crate::settings::Settings;
+
+/// Error asked for in every case.
+const ERROR: f64 = 0.02;
+
+/// One case and how it went.
+#[derive(Clone, Debug)]
+pub struct StabilityRow {
+    /// What is tried.
+    pub name: String,
+    /// No value is infinite or no number.
+    pub is_finite: bool,
+    /// No value is below zero.
+    pub is_positive: bool,
+    /// What is absorbed and not emitted, over all light that arrives; in a closed scene what is missing counts, too.
+    pub imbalance: f64,
+    /// Whether that is within the error asked for.
+    pub is_balanced: bool,
+    /// Relative error asked for, and measured by the program.
+    pub asked: f64,
+    /// As measured by the program.
+    pub measured: f64,
+    /// Relative error where the light is known on paper.
+    pub known: Option<f64>,
+    /// Sweeps of the solver.
+    pub sweeps: usize,
+    /// Rounds of refining.
+    pub rounds: usize,
+    /// Elements.
+    pub elements: usize,
+}
+
+impl StabilityRow {
+    /// Whether all is as it should be.
+    pub fn is_sound(&self) -> bool {
+        let honest = self.measured <= self.asked && self.known.is_none_or(|k| k <= self.asked);
+        self.is_finite && self.is_positive && self.is_balanced && honest
+    }
+}
+
+/// A case: the scene, its bounces, whether no light can leave it, and the irradiance (W/m²) that is known of it.
+struct Case {
+    raw: RawScene,
+    bounces: Bounces,
+    is_closed: bool,
+    known: Option<f64>,
+}
+
+fn cases() -> Vec<Case> {
+    let of = |raw, bounces, is_closed, known| Case {
+        raw,
+        bounces,
+        is_closed,
+        known,
+    };
+    let mut cases: Vec<Case> = [0.1, 0.5, 0.9, 0.99]
+        .map(|rho| of(furnace(rho), Bounces::All, true, Some(1.0)))
+        .into();
+    cases.extend([0.1, 0.01].map(|gap| of(door_ajar(gap), Bounces::All, true, None)));
+    let far = [
+        ("cornell-box × 0.001", 1e-3, 0.0),
+        ("cornell-box × 1000", 1e3, 0.0),
+        ("cornell-box 10 km away", 1.0, 1e4),
+        ("cornell-box 1000 km away", 1.0, 1e6),
+    ];
+    cases.extend(far.map(|(name, scale, shift)| {
+        of(
+            moved(cornell_box(), name, scale, shift),
+            Bounces::All,
+            false,
+            None,
+        )
+    }));
+    let direct = [square_over_square(), box_on_floor(), blinds(16)];
+    cases.extend(direct.map(|raw| of(raw, Bounces::Count(0), false, None)));
+    let mut dark = square_over_square();
+    dark.source = "no light at all".to_owned();
+    for material in &mut dark.materials {
+        material.emission = Default::default();
+    }
+    cases.push(of(dark, Bounces::All, false, Some(0.0)));
+    cases
+}
+
+/// Tries every case.
+///
+/// # Errors
+/// A fault of our own: the scenes are the report's.
+pub fn stability(tell: &mut dyn FnMut(&str)) -> Result<Vec<StabilityRow>, LightError> {
+    let mut rows = Vec::new();
+    for case in cases() {
+        tell(&format!("stability: {}", case.raw.source));
+        let settings = Settings {
+            error: ERROR,
+            bounces: case.bounces,
+            ..Settings::default()
+        };
+        let world = World::new(&case.raw, &settings)?;
+        let solution = light(&world, &settings, &mut |_, _| {})?;
+        rows.push(judged(&case, &solution));
+    }
+    Ok(rows)
+}
+
+fn judged(case: &Case, solution: &Solution) -> StabilityRow {
+    let lit = || solution.receivers.iter().filter(|r| r.is_lit);
+    let values = || lit().flat_map(|r| (0..r.mesh.site_vertices.len()).map(|s| r.site_total(s).0));
+    let s = &solution.summary;
+    let imbalance = imbalance(case, solution);
+    StabilityRow {
+        name: case.raw.source.clone(),
+        is_finite: values().all(Rgb::is_finite),
+        is_positive: values().all(|e| e.0.min_element() >= 0.0),
+        imbalance,
+        is_balanced: imbalance <= ERROR,
+        asked: ERROR,
+        measured: s.measured.relative_rms,
+        known: case.known.map(|known| off(lit(), known)),
+        sweeps: s.solve.residuals.len(),
+        rounds: s.rounds,
+        elements: s.elements,
+    }
+}
+
+/// `Σ (1 − ρ) E A` against `Σ M A`, over `Σ E A`: an error of the light is at most so large in each of them.
+fn imbalance(case: &Case, solution: &Solution) -> f64 {
+    let scene = &solution.world.scene;
+    let (mut absorbed, mut arriving, mut emitted) = (0.0, 0.0, 0.0);
+    for r in solution.receivers.iter().filter(|r| r.is_lit) {
+        let power = r.power();
+        let kept = Rgb::grey(1.0) + scene.material_of(r.domain.face).reflectance * -1.0;
+        absorbed += match case.bounces {
+            // What was reflected once is not followed.
+            Bounces::Count(0) => power.mean(),
+            _ => (power.0 * kept).mean(),
+        };
+        arriving += power.mean();
+    }
+    for (_, emitter) in scene.emitters.iter() {
+        let face = &scene.faces[emitter.face];
+        let material = &scene.materials[face.material as usize];
+        let is_seen = emitter.side == FaceSide::Front || material.emits_back;
+        emitted += f64::from(u8::from(is_seen))
+            * material.emission.mean()
+            * std::f64::consts::PI
+            * face.area;
+    }
+    if arriving <= 0.0 {
+        return 0.0;
+    }
+    let excess = (absorbed - emitted) / arriving;
+    if case.is_closed {
+        excess.abs()
+    } else {
+        excess.max(0.0)
+    }
+}
+
+/// RMS of what the meshes show against the `known` irradiance, over that (or by itself where that is nothing), at the
+/// middles of the elements' edges: exact for the square of a linear function.
+fn off<'r>(lit: impl Iterator<Item = &'r Receiver>, known: f64) -> f64 {
+    let (mut squares, mut area) = (0.0, 0.0);
+    for r in lit {
+        for e in 0..r.mesh.elements.len() {
+            let a = r.mesh.area(e);
+            area += a;
+            for weights in [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]] {
+                let d = r.shown(e, weights).0 + Rgb::grey(-known);
+                squares += d.mean_square() * a / 3.0;
+            }
+        }
+    }
+    if area <= 0.0 {
+        return 0.0;
+    }
+    (squares / area).sqrt() / if known > 0.0 { known } else { 1.0 }
+}

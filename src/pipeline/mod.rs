@@ -86,7 +86,7 @@ const MAX_ROUNDS: usize = 4;
 
 /// The solution is corrected by its own residual until a correction is below this share of the permitted error: what it
 /// leaves to the next one is smaller by far.
-const CORRECTION_SHARE: f64 = 0.7;
+const CORRECTION_SHARE: f64 = 0.4;
 
 /// The first correction is made once the field is within this many times its permitted error.
 const FIRST_CORRECTION: f64 = 3.0;

@@ -27,7 +27,7 @@ const MAX_ROUNDS: usize = 24;
 
 /// Shares of the permitted error that one link may miss by what is not linear about a cell, and one ray by what stands
 /// between (where rays are used at all). The mistakes of many add like random steps.
-const LINK_SHARE: f64 = 0.2;
+const LINK_SHARE: f64 = 0.1;
 const RAY_SHARE: f64 = 0.1;
 
 /// A correction is small: its gathers may be so much less accurate.

@@ -222,6 +222,8 @@ impl<'a> IndirectField<'a> {
                 .faces
                 .par_iter_mut()
                 .zip(&solution.mesh.faces)
+                // One face may cost more than all others together.
+                .with_max_len(1)
                 .map_init(
                     || solution.gatherer(),
                     |gatherer, (field, face)| {
@@ -290,6 +292,7 @@ impl<'a> IndirectField<'a> {
             .par_iter_mut()
             .zip(&solution.mesh.faces)
             .enumerate()
+            .with_max_len(1)
             .map_init(
                 || solution.gatherer(),
                 |gatherer, (f, (field, face))| {

@@ -20,7 +20,7 @@ pub(super) struct Materials {
     index_of: HashMap<String, usize>,
     is_used: Vec<bool>,
     /// The library of each material.
-    library_of: Vec<PathBuf>,
+    file_of: Vec<PathBuf>,
     /// Index in the scene of each texture that was looked for, by library and name; none where it cannot be read.
     texture_of: HashMap<(PathBuf, String), Option<u32>>,
     /// Faces before any `usemtl`.
@@ -71,11 +71,11 @@ impl Materials {
                 ),
             ));
             self.list[earlier] = material;
-            self.library_of[earlier] = library.to_owned();
+            self.file_of[earlier] = library.to_owned();
         } else {
             self.index_of.insert(name, self.list.len());
             self.list.push(material);
-            self.library_of.push(library.to_owned());
+            self.file_of.push(library.to_owned());
             self.is_used.push(false);
         }
     }
@@ -98,7 +98,7 @@ impl Materials {
         self.index_of.insert(name.to_owned(), index);
         self.list
             .push(MtlMaterial::made_up(default_material(name, true), place));
-        self.library_of.push(PathBuf::new());
+        self.file_of.push(PathBuf::new());
         self.is_used.push(false);
         index
     }
@@ -129,7 +129,7 @@ impl Materials {
         if material.material.texture.is_some() {
             return Ok(Some(map.uv));
         }
-        let key = (self.library_of[index].clone(), format!("{map:?}"));
+        let key = (self.file_of[index].clone(), format!("{map:?}"));
         let known = self.texture_of.get(&key).copied();
         let found = match known {
             Some(known) => known,

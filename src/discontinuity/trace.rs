@@ -42,20 +42,9 @@ impl Traced {
 /// VE: rays from the emitter vertex (apex) graze the blocker edge (rim) and land on the first face behind it.
 pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Traced {
     // Most wedges end before the rim: what lies behind it need not be known.
-    let mut lit = LitSpans::whole();
-    let before = wedge.sections_before_rim(scene, blockers);
-    hide(&mut lit, &before, wedge.rim_slack);
-    if lit.is_empty() {
-        return Traced::default();
-    }
-    let behind = below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
-    let mut traced = Traced {
-        landings: land(scene, &lit, &behind, |s| (wedge.apex, wedge.rim_at(s))),
-        touches: Vec::new(),
-    };
-    touch(wedge, &lit, &before, &[], &mut traced.touches);
-    touch(wedge, &lit, &behind, &behind, &mut traced.touches);
-    traced
+    let behind = || below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
+    let ray = |s| (wedge.apex, wedge.rim_at(s));
+    from_emitter(wedge, LitSpans::whole(), scene, blockers, behind, ray)
 }
 
 /// EV: rays from the emitter edge (rim) graze the blocker vertex (apex) and land on the first face behind it.
@@ -63,18 +52,33 @@ pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Tr
 /// `lit` is where the faces at the vertex let them pass.
 pub(super) fn past_vertex(
     wedge: &Wedge,
+    lit: LitSpans,
+    scene: &Scene,
+    blockers: &Blockers,
+) -> Traced {
+    let behind = || wedge.sections_beyond(scene, blockers);
+    let ray = |s| (wedge.rim_at(s), wedge.apex);
+    from_emitter(wedge, lit, scene, blockers, behind, ray)
+}
+
+/// Rays of a wedge that starts on the emitter: what is `lit` of it goes past the faces between apex and rim, and lands on those
+/// `behind`.
+fn from_emitter(
+    wedge: &Wedge,
     mut lit: LitSpans,
     scene: &Scene,
     blockers: &Blockers,
+    behind: impl FnOnce() -> Vec<Section>,
+    ray: impl Fn(f64) -> (DVec3, DVec3),
 ) -> Traced {
     let before = wedge.sections_before_rim(scene, blockers);
     hide(&mut lit, &before, wedge.rim_slack);
     if lit.is_empty() {
         return Traced::default();
     }
-    let behind = wedge.sections_beyond(scene, blockers);
+    let behind = behind();
     let mut traced = Traced {
-        landings: land(scene, &lit, &behind, |s| (wedge.rim_at(s), wedge.apex)),
+        landings: land(scene, &lit, &behind, ray),
         touches: Vec::new(),
     };
     touch(wedge, &lit, &before, &[], &mut traced.touches);

@@ -34,13 +34,7 @@ pub fn default_scenes() -> Vec<ReportScene> {
 /// A square lamp over a parallel square over a floor: the penumbra's outer half side is 1.5 m, the umbra's 0.5 m.
 pub fn square_over_square() -> RawScene {
     let mut scene = Builder::new("square over square");
-    scene.rectangle(
-        "floor",
-        MATTE,
-        [-3.0, 0.0, 3.0],
-        [6.0, 0.0, 0.0],
-        [0.0, 0.0, -6.0],
-    );
+    scene.floor(3.0);
     scene.lamp([-0.5, 2.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     scene.rectangle(
         "blocker",
@@ -55,13 +49,7 @@ pub fn square_over_square() -> RawScene {
 /// A box that stands on a floor, turned against the lamp: the light jumps where it stands, and nothing is parallel.
 pub fn box_on_floor() -> RawScene {
     let mut scene = Builder::new("box on floor");
-    scene.rectangle(
-        "floor",
-        MATTE,
-        [-3.0, 0.0, 3.0],
-        [6.0, 0.0, 0.0],
-        [0.0, 0.0, -6.0],
-    );
+    scene.floor(3.0);
     scene.lamp([-1.0, 3.0, -1.0], [0.8, 0.0, 0.0], [0.0, 0.0, 0.8]);
     scene.cuboid("box", [0.3, 0.0, -0.2], [0.6, 0.8, 0.7], 0.5);
     scene.raw
@@ -70,13 +58,7 @@ pub fn box_on_floor() -> RawScene {
 /// A floor under a lamp behind `n` slats that stand like a blind: narrow penumbrae, many parallel edges.
 pub fn blinds(n: usize) -> RawScene {
     let mut scene = Builder::new(&format!("blinds {n}"));
-    scene.rectangle(
-        "floor",
-        MATTE,
-        [-2.0, 0.0, 2.0],
-        [4.0, 0.0, 0.0],
-        [0.0, 0.0, -4.0],
-    );
+    scene.floor(2.0);
     scene.lamp([-1.0, 3.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]);
     let pitch = 2.4 / n as f64;
     for i in 0..n {
@@ -95,13 +77,7 @@ pub fn blinds(n: usize) -> RawScene {
 /// `n × n` boxes of uneven height on a floor, turned against each other and against the lamp.
 pub fn city(n: usize) -> RawScene {
     let mut scene = Builder::new(&format!("city {n} × {n}"));
-    scene.rectangle(
-        "floor",
-        MATTE,
-        [-2.0, 0.0, 2.0],
-        [4.0, 0.0, 0.0],
-        [0.0, 0.0, -4.0],
-    );
+    scene.floor(2.0);
     scene.lamp([-0.7, 4.0, -0.7], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     let pitch = 3.6 / n as f64;
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
@@ -203,6 +179,16 @@ impl Builder {
     }
 
     /// The parallelogram at `corner` along `u` and `v`; `u × v` is its front.
+    /// A matte square in the plane y = 0 about the origin, `half` metres to each side.
+    fn floor(&mut self, half: f64) {
+        let [corner, u, v] = [
+            [-half, 0.0, half],
+            [2.0 * half, 0.0, 0.0],
+            [0.0, 0.0, -2.0 * half],
+        ];
+        self.rectangle("floor", MATTE, corner, u, v);
+    }
+
     fn rectangle(
         &mut self,
         group: &str,

@@ -88,12 +88,10 @@ impl Rooms<'_> {
             tolerance: GUESS_ERROR,
             rays: Some(GUESS_RAYS),
         };
-        let locators: Vec<Locator> = mesh.faces.iter().map(|f| Locator::new(&f.mesh)).collect();
-        let meshes: Vec<_> = mesh.faces.iter().map(|f| f.mesh.clone()).collect();
         let (field, _) =
-            IndirectField::solve(mesh, self.blockers, request, |f, p| {
-                match locators[f].locate(&meshes[f], p) {
-                    Some((e, weights)) => mix(meshes[f].sites[e], weights, &at_sites[f]),
+            IndirectField::solve(mesh, self.blockers, request, |face, f, p| {
+                match face.locate(p) {
+                    Some((e, weights)) => mix(face.mesh.sites[e], weights, &at_sites[f]),
                     None => Irradiance::ZERO,
                 }
             });

@@ -240,7 +240,7 @@ pub fn light<'a>(
         let shown = Shown::new(&receivers, mesh.faces.len());
         let request = request(settings, mean, mean_indirect);
         let (field, report) =
-            IndirectField::solve(mesh, &world.blockers, request, |f, p| shown.direct(f, p));
+            IndirectField::solve(mesh, &world.blockers, request, |_, f, p| shown.direct(f, p));
         summary.solve = report;
         indirect = Some(field);
     }
@@ -259,7 +259,6 @@ pub fn light<'a>(
     let allowed = if with_bounces { DISPLAY_SHARE } else { 1.0 };
     for round in 0..MAX_ROUNDS {
         if let Some(field) = &mut solution.indirect {
-            clock.start("gather", &mut summary);
             let target = settings.error * gathered * mean;
             let shown = Shown::new(&solution.receivers, field.mesh().faces.len());
             // The first correction is made while there are few values to correct.
@@ -268,7 +267,7 @@ pub fn light<'a>(
                 let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
                 field.refine(coarser * target, |f| clock.tick(f))?;
                 clock.start("correct", &mut summary);
-                let corrected = field.correct(|f, p| shown.direct(f, p));
+                let corrected = field.correct(|_, f, p| shown.direct(f, p));
                 summary.corrections.push(corrected / mean);
                 if step > 0 && corrected <= CORRECTION_SHARE * settings.error * mean {
                     break;

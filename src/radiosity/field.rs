@@ -12,7 +12,7 @@ use super::cells::{FaceCells, FaceLight, follow_all};
 use super::field_face::FieldFace;
 use super::gather::Oracle;
 use super::solve::Transport;
-use super::{Bounces, Gatherer, SolveMesh, SolveReport};
+use super::{Bounces, Gatherer, SolveFace, SolveMesh, SolveReport};
 use crate::mesh::MeshError;
 use crate::quantity::{Irradiance, Radiosity};
 use crate::visibility::{Blockers, Viewpoint};
@@ -137,13 +137,13 @@ impl Coarse<'_> {
 }
 
 impl<'a> IndirectField<'a> {
-    /// Solves for the indirect light on `mesh`, given the direct light at every point of its faces (`direct(face, point)`,
+    /// Solves for the indirect light on `mesh`, given the direct light at every point of its faces (`direct(face, its index, point)`,
     /// frame coordinates, W/m²).
     pub fn solve(
         mesh: SolveMesh,
         blockers: &'a Blockers,
         request: Request,
-        direct: impl Fn(usize, DVec2) -> Irradiance + Sync,
+        direct: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
     ) -> (Self, SolveReport) {
         // What a gather misses comes back with every bounce.
         let error = request.error * (1.0 - mesh.mean_reflectance());
@@ -155,7 +155,8 @@ impl<'a> IndirectField<'a> {
         let smallest = SMALLEST_SHARE * mesh.spacing;
         let limit = FOLLOW_SHARE * request.error;
         let mut light = follow_all(&mut trees, &mesh.faces, limit, smallest, |f, p| {
-            Radiosity(mesh.faces[f].reflectance * direct(f, p).0)
+            let face = &mesh.faces[f];
+            Radiosity(face.reflectance * direct(face, f, p).0)
         });
         let oracle = Oracle {
             light: &light,
@@ -245,7 +246,10 @@ impl<'a> IndirectField<'a> {
     /// Replaces the light of the cells by what the field and `direct` (as in [`IndirectField::solve`]) reflect, and adds to
     /// the field what that changes; returns the RMS of this correction (W/m²), an estimate of the error before it. Light
     /// that is reflected a counted number of times is left alone.
-    pub fn correct(&mut self, direct: impl Fn(usize, DVec2) -> Irradiance + Sync) -> f64 {
+    pub fn correct(
+        &mut self,
+        direct: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
+    ) -> f64 {
         if self.request.bounces != Bounces::All {
             return 0.0;
         }
@@ -255,7 +259,8 @@ impl<'a> IndirectField<'a> {
         let limit = FOLLOW_SHARE * self.request.error;
         let smallest = SMALLEST_SHARE * mesh.spacing;
         let new = follow_all(&mut solution.trees, &mesh.faces, limit, smallest, |f, p| {
-            Radiosity(mesh.faces[f].reflectance * (direct(f, p) + faces[f].at(p)).0)
+            let face = &mesh.faces[f];
+            Radiosity(face.reflectance * (direct(face, f, p) + faces[f].at(p)).0)
         });
         let residual: Vec<FaceLight> = new
             .iter()

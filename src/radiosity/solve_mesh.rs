@@ -4,6 +4,7 @@ use super::locator::Locator;
 use crate::geom::Plane;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
+use crate::scene::FaceSide;
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -46,7 +47,7 @@ pub struct SolveMesh {
 }
 
 impl SolveMesh {
-    /// Meshes every domain with points `spacing` metres apart; domains without area are left out.
+    /// Meshes every domain with points `spacing` metres apart.
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
@@ -88,7 +89,7 @@ impl SolveFace {
         let (lo, hi) = domain.polygon().bounds();
         let mut rectangle = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)]
             .map(|p| domain.frame.to_space(p));
-        if domain.side == crate::scene::FaceSide::Back {
+        if domain.side == FaceSide::Back {
             rectangle.reverse();
         }
         let centre = domain.frame.to_space(0.5 * (lo + hi));

@@ -1,9 +1,10 @@
 //! Indirect light from a solution of its own, finer than the one under test and without its display mesh.
 
+use glam::DVec2;
 use umbrage::mesh::FaceDomain;
 use umbrage::pipeline::Solution;
 use umbrage::quantity::Irradiance;
-use umbrage::radiosity::{Bounces, Gatherer, IndirectField, Request, SolveMesh};
+use umbrage::radiosity::{Bounces, Gatherer, IndirectField, Request, SolveFace, SolveMesh};
 use umbrage::visibility::{Scratch, Viewpoint};
 
 /// The error for which the fine solution is made, relative to the mean irradiance.
@@ -47,14 +48,10 @@ impl<'a> FineField<'a> {
             .collect();
         let spacing = (area / (0.433 * elements)).sqrt();
         let mesh = SolveMesh::new(domains, spacing).expect("the scene can be meshed");
-        let views: Vec<_> = mesh
-            .faces
-            .iter()
-            .map(|f| (f.domain.frame, f.domain.normal))
-            .collect();
-        let direct = |f: usize, p: glam::DVec2| -> Irradiance {
-            let view = Viewpoint::new(views[f].0.to_space(p), views[f].1);
-            solution.direct.irradiance(&view, &mut Scratch::default())
+        let direct = |face: &SolveFace, _: usize, p: DVec2| -> Irradiance {
+            solution
+                .direct
+                .irradiance(&face.view(p), &mut Scratch::default())
         };
         let error = FINE_ERROR * solution.summary.measured.mean;
         let request = Request {

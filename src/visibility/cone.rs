@@ -1,97 +1,19 @@
-//! Backprojection: the part of a convex polygon that a point sees, exactly.
+//! The cones of directions that convex blockers hide from a point.
 //!
-//! A convex blocker hides the cone of directions through it; the cone is bounded by the planes through the viewpoint and
-//! the blocker's edges. Cutting the target along these planes, blocker by blocker, leaves convex pieces whose union is
-//! the visible part. No projection, so no singularity; overlapping blockers are subtracted once.
-//!
-//! ```text
-//!        target  ───────[    ]───────     pieces left and right of the cone stay
-//!                        \  /
-//!        blocker          ==
-//!                         \/
-//!        viewpoint         x
-//! ```
+//! A cone is bounded by the planes through the viewpoint and the blocker's edges: no projection, so no singularity.
 
-use super::{Blockers, Region};
+use super::{Blockers, Region, Viewpoint};
 use crate::geom::Plane;
 use crate::scene::FaceId;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A point that looks into the half-space in front of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Viewpoint {
-    /// Where it stands, metres, local.
-    pub position: DVec3,
-    /// The plane it lies in, normal towards the side it looks to.
-    pub horizon: Plane,
-    /// Unit normal that light is weighed by: that of the curved surface which the plane stands for. What is below the
-    /// plane is hidden all the same, and what is behind this normal has no weight.
-    pub shading: DVec3,
-}
-
-impl Viewpoint {
-    /// A viewpoint at `position` on a surface with unit normal `normal`.
-    pub fn new(position: DVec3, normal: DVec3) -> Self {
-        Self {
-            position,
-            horizon: Plane::new(position, normal),
-            shading: normal,
-        }
-    }
-
-    /// The same on a plane that stands for a curved surface with unit normal `shading` there.
-    pub fn on_curve(position: DVec3, normal: DVec3, shading: DVec3) -> Self {
-        Self {
-            shading,
-            ..Self::new(position, normal)
-        }
-    }
-}
-
 /// Rounding error of `(b × a) · d` for directions of unit length: two roundings in each component of the cross product,
 /// three in the dot product.
-const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
-
-/// One side of a convex polygon that is looked at.
-#[derive(Clone, Copy, Debug)]
-pub struct Target<'a> {
-    /// Corners, counter-clockwise seen from the side of `plane.normal`.
-    pub corners: &'a [DVec3],
-    /// Its plane, normal towards the side that is looked at.
-    pub plane: Plane,
-}
+pub(super) const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
 
 /// A convex polygon in space or as directions from the viewpoint, metres.
-type Piece = SmallVec<[DVec3; 8]>;
-
-/// Buffers that live over many calls.
-#[derive(Default)]
-pub struct Scratch {
-    pieces: Pieces,
-    /// One piece, for the caller to see.
-    shown: Vec<DVec3>,
-    candidates: Vec<u32>,
-    cones: Cones,
-}
-
-/// A direction from the viewpoint, metres, and its length.
-#[derive(Clone, Copy)]
-struct Corner {
-    direction: DVec3,
-    length: f64,
-}
-
-/// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
-#[derive(Default)]
-struct Pieces {
-    corners: Vec<Corner>,
-    ranges: Vec<(u32, u32)>,
-    /// What is left of the piece that is being cut, its heights above the plane that cuts it, and what remains then.
-    rest: Vec<Corner>,
-    heights: Vec<f64>,
-    inside: Vec<Corner>,
-}
+pub(super) type Piece = SmallVec<[DVec3; 8]>;
 
 /// How a cone lies to a convex polygon of directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,15 +45,15 @@ struct ConeItem {
 /// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
 #[derive(Clone, Copy)]
 pub struct Cone<'c> {
-    rim: &'c [DVec3],
-    sides: &'c [ConeSide],
+    pub(super) rim: &'c [DVec3],
+    pub(super) sides: &'c [ConeSide],
 }
 
 #[derive(Clone, Copy)]
-struct ConeSide {
-    normal: DVec3,
+pub(super) struct ConeSide {
+    pub(super) normal: DVec3,
     /// Rounding error of `normal · d` for a direction of unit length.
-    slack: f64,
+    pub(super) slack: f64,
 }
 
 impl Cones {
@@ -265,167 +187,6 @@ impl Cone<'_> {
     }
 }
 
-impl Scratch {
-    /// Calls `visit` with each convex piece of `target` that `view` sees above its horizon, as directions from the
-    /// viewpoint.
-    ///
-    /// `blockers` are those of the scene; faces in the plane of the viewpoint's surface or of the target hide nothing.
-    pub fn visible_pieces(
-        &mut self,
-        blockers: &Blockers,
-        view: &Viewpoint,
-        target: Target,
-        visit: impl FnMut(&[DVec3]),
-    ) {
-        let (mut candidates, mut cones) = (
-            std::mem::take(&mut self.candidates),
-            std::mem::take(&mut self.cones),
-        );
-        candidates.clear();
-        if faces(blockers, view, target) {
-            // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
-            let region = Region::pyramid(view.position, target.corners);
-            blockers.collect(view, region, target.plane, &mut candidates);
-        }
-        let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
-        if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
-            self.visible_past(blockers, cones.iter(), view, target, visit);
-        }
-        self.candidates = candidates;
-        self.cones = cones;
-    }
-
-    /// As [`Scratch::visible_pieces`], past the given cones only.
-    pub fn visible_past<'c>(
-        &mut self,
-        blockers: &Blockers,
-        cones: impl Iterator<Item = Cone<'c>>,
-        view: &Viewpoint,
-        target: Target,
-        mut visit: impl FnMut(&[DVec3]),
-    ) {
-        if !faces(blockers, view, target) {
-            return;
-        }
-        let above = clip_to_horizon(view, target.corners);
-        if above.len() < 3 {
-            return;
-        }
-        self.pieces.start(&above);
-        for cone in cones {
-            self.pieces.subtract(&cone);
-            if self.pieces.ranges.is_empty() {
-                return;
-            }
-        }
-        for &range in &self.pieces.ranges {
-            self.shown.clear();
-            self.shown
-                .extend(self.pieces.piece(range).iter().map(|c| c.direction));
-            visit(&self.shown);
-        }
-    }
-}
-
-impl Pieces {
-    /// Holds `piece` and nothing else.
-    fn start(&mut self, piece: &[DVec3]) {
-        self.corners.clear();
-        self.corners.extend(piece.iter().map(|&d| Corner::new(d)));
-        self.ranges.clear();
-        self.ranges.push((0, piece.len() as u32));
-    }
-
-    fn piece(&self, (from, to): (u32, u32)) -> &[Corner] {
-        &self.corners[from as usize..to as usize]
-    }
-
-    /// Cuts `cone` out of all pieces.
-    fn subtract(&mut self, cone: &Cone) {
-        let count = self.ranges.len();
-        let mut kept = 0;
-        for i in 0..count {
-            let range = self.ranges[i];
-            if is_apart(self.piece(range), cone) || !self.cut(range, cone) {
-                self.ranges[kept] = range;
-                kept += 1;
-            }
-        }
-        self.ranges.drain(kept..count);
-    }
-
-    /// Adds what `cone` leaves of a piece, and returns true; or adds nothing when the cone hides none of it, so that it may
-    /// stay whole rather than in splinters.
-    fn cut(&mut self, range: (u32, u32), cone: &Cone) -> bool {
-        let before = (self.ranges.len(), self.corners.len());
-        self.rest.clear();
-        self.rest
-            .extend_from_slice(&self.corners[range.0 as usize..range.1 as usize]);
-        // What falls outside one side after the other stays; what is inside all of them is hidden.
-        for side in cone.sides {
-            let (is_above, is_below) = self.measure(side);
-            if !is_above {
-                self.ranges.truncate(before.0);
-                self.corners.truncate(before.1);
-                return false;
-            }
-            if is_below {
-                self.split();
-            }
-        }
-        true
-    }
-
-    /// Fills in the heights of the rest above a side; returns whether any is positive and whether any is negative.
-    fn measure(&mut self, side: &ConeSide) -> (bool, bool) {
-        self.heights.clear();
-        let (mut is_above, mut is_below) = (false, false);
-        for c in &self.rest {
-            let mut d = side.normal.dot(c.direction);
-            if d.abs() <= side.slack * c.length {
-                d = 0.0;
-            }
-            is_above |= d > 0.0;
-            is_below |= d < 0.0;
-            self.heights.push(d);
-        }
-        (is_above, is_below)
-    }
-
-    /// Splits the rest at height zero: what lies below becomes a piece, what lies above is the new rest.
-    fn split(&mut self) {
-        let first = self.corners.len();
-        self.inside.clear();
-        for (i, &a) in self.rest.iter().enumerate() {
-            let j = if i + 1 < self.rest.len() { i + 1 } else { 0 };
-            let (da, db) = (self.heights[i], self.heights[j]);
-            if da >= 0.0 {
-                self.inside.push(a);
-            }
-            if da <= 0.0 {
-                self.corners.push(a);
-            }
-            if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
-                let b = self.rest[j].direction;
-                let cut = Corner::new(a.direction + (b - a.direction) * (da / (da - db)));
-                self.inside.push(cut);
-                self.corners.push(cut);
-            }
-        }
-        self.ranges.push((first as u32, self.corners.len() as u32));
-        std::mem::swap(&mut self.rest, &mut self.inside);
-    }
-}
-
-impl Corner {
-    fn new(direction: DVec3) -> Self {
-        Self {
-            direction,
-            length: direction.length(),
-        }
-    }
-}
-
 impl Blockers {
     /// Appends the parts that may hide from `view` something that lies in `region` and in the plane `target`.
     pub fn collect(&self, view: &Viewpoint, mut region: Region, target: Plane, out: &mut Vec<u32>) {
@@ -477,26 +238,8 @@ impl Blockers {
     }
 }
 
-/// True when `view` stands in front of the target, clear of its plane by more than round-off: within it, it would see the
-/// target under half of the sky or not at all as the last digit falls, and the back of an emitter would be lit by its front.
-fn faces(blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
-    target.plane.distance(view.position) > blockers.roundoff()
-}
-
-/// The part of a convex polygon above the horizon of `view`, as directions from it.
-fn clip_to_horizon(view: &Viewpoint, corners: &[DVec3]) -> Piece {
-    let height = |d: &DVec3| view.horizon.normal.dot(*d);
-    clip(
-        &corners
-            .iter()
-            .map(|&c| c - view.position)
-            .collect::<Piece>(),
-        height,
-    )
-}
-
 /// Sutherland–Hodgman against one half-space given by a signed distance.
-fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece {
+pub(super) fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece {
     let mut out = Piece::new();
     for (i, a) in points.iter().enumerate() {
         let b = &points[(i + 1) % points.len()];
@@ -544,30 +287,6 @@ fn push_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane, o
     } else {
         out.push(corners.iter().map(|c| c - eye), distance.signum());
     }
-}
-
-/// True when a plane through the viewpoint and an edge of either shape has them on different sides.
-fn is_apart(piece: &[Corner], cone: &Cone) -> bool {
-    let beyond_cone = cone.sides.iter().any(|s| {
-        piece
-            .iter()
-            .all(|c| s.normal.dot(c.direction) <= s.slack * c.length)
-    });
-    beyond_cone
-        || (0..piece.len()).any(|i| {
-            let (a, b) = (piece[i], piece[(i + 1) % piece.len()]);
-            let m = b.direction.cross(a.direction);
-            let slack = SIDE_ROUNDOFF * a.length * b.length;
-            cone.rim.iter().all(|r| m.dot(*r) <= 0.0) && holds(piece, m, slack)
-        })
-}
-
-/// True when the piece clearly reaches to the inner side of the plane with normal `m` and not to the other. The plane of an
-/// edge as short as round-off points anywhere and holds nothing.
-fn holds(piece: &[Corner], m: DVec3, slack: f64) -> bool {
-    let height = |c: &Corner| (m.dot(c.direction), slack * c.length);
-    piece.iter().map(height).all(|(h, slack)| h >= -slack)
-        && piece.iter().map(height).any(|(h, slack)| h > slack)
 }
 
 /// Rounding error of `(b × a) · d` for a direction `d` of unit length.

@@ -1,0 +1,248 @@
+//! Backprojection: the part of a convex polygon that a point sees, exactly.
+//!
+//! A convex blocker hides the cone of directions through it; the cone is bounded by the planes through the viewpoint and
+//! the blocker's edges. Cutting the target along these planes, blocker by blocker, leaves convex pieces whose union is
+//! the visible part. No projection, so no singularity; overlapping blockers are subtracted once.
+//!
+//! ```text
+//!        target  ───────[    ]───────     pieces left and right of the cone stay
+//!                        \  /
+//!        blocker          ==
+//!                         \/
+//!        viewpoint         x
+//! ```
+
+use super::cone::{ConeSide, Piece, SIDE_ROUNDOFF, clip};
+use super::{Blockers, Cone, Cones, Region, Target, Viewpoint};
+use glam::DVec3;
+
+/// Buffers that live over many calls.
+#[derive(Default)]
+pub struct Scratch {
+    pieces: Pieces,
+    /// One piece, for the caller to see.
+    shown: Vec<DVec3>,
+    candidates: Vec<u32>,
+    cones: Cones,
+}
+
+/// A direction from the viewpoint, metres, and its length.
+#[derive(Clone, Copy)]
+struct Corner {
+    direction: DVec3,
+    length: f64,
+}
+
+/// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
+#[derive(Default)]
+struct Pieces {
+    corners: Vec<Corner>,
+    ranges: Vec<(u32, u32)>,
+    /// What is left of the piece that is being cut, its heights above the plane that cuts it, and what remains then.
+    rest: Vec<Corner>,
+    heights: Vec<f64>,
+    inside: Vec<Corner>,
+}
+
+impl Scratch {
+    /// Calls `visit` with each convex piece of `target` that `view` sees above its horizon, as directions from the
+    /// viewpoint.
+    ///
+    /// `blockers` are those of the scene; faces in the plane of the viewpoint's surface or of the target hide nothing.
+    pub fn visible_pieces(
+        &mut self,
+        blockers: &Blockers,
+        view: &Viewpoint,
+        target: Target,
+        visit: impl FnMut(&[DVec3]),
+    ) {
+        let (mut candidates, mut cones) = (
+            std::mem::take(&mut self.candidates),
+            std::mem::take(&mut self.cones),
+        );
+        candidates.clear();
+        if faces(blockers, view, target) {
+            // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
+            let region = Region::pyramid(view.position, target.corners);
+            blockers.collect(view, region, target.plane, &mut candidates);
+        }
+        let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
+        if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
+            self.visible_past(blockers, cones.iter(), view, target, visit);
+        }
+        self.candidates = candidates;
+        self.cones = cones;
+    }
+
+    /// As [`Scratch::visible_pieces`], past the given cones only.
+    pub fn visible_past<'c>(
+        &mut self,
+        blockers: &Blockers,
+        cones: impl Iterator<Item = Cone<'c>>,
+        view: &Viewpoint,
+        target: Target,
+        mut visit: impl FnMut(&[DVec3]),
+    ) {
+        if !faces(blockers, view, target) {
+            return;
+        }
+        let above = clip_to_horizon(view, target.corners);
+        if above.len() < 3 {
+            return;
+        }
+        self.pieces.start(&above);
+        for cone in cones {
+            self.pieces.subtract(&cone);
+            if self.pieces.ranges.is_empty() {
+                return;
+            }
+        }
+        for &range in &self.pieces.ranges {
+            self.shown.clear();
+            self.shown
+                .extend(self.pieces.piece(range).iter().map(|c| c.direction));
+            visit(&self.shown);
+        }
+    }
+}
+
+impl Pieces {
+    /// Holds `piece` and nothing else.
+    fn start(&mut self, piece: &[DVec3]) {
+        self.corners.clear();
+        self.corners.extend(piece.iter().map(|&d| Corner::new(d)));
+        self.ranges.clear();
+        self.ranges.push((0, piece.len() as u32));
+    }
+
+    fn piece(&self, (from, to): (u32, u32)) -> &[Corner] {
+        &self.corners[from as usize..to as usize]
+    }
+
+    /// Cuts `cone` out of all pieces.
+    fn subtract(&mut self, cone: &Cone) {
+        let count = self.ranges.len();
+        let mut kept = 0;
+        for i in 0..count {
+            let range = self.ranges[i];
+            if is_apart(self.piece(range), cone) || !self.cut(range, cone) {
+                self.ranges[kept] = range;
+                kept += 1;
+            }
+        }
+        self.ranges.drain(kept..count);
+    }
+
+    /// Adds what `cone` leaves of a piece, and returns true; or adds nothing when the cone hides none of it, so that it may
+    /// stay whole rather than in splinters.
+    fn cut(&mut self, range: (u32, u32), cone: &Cone) -> bool {
+        let before = (self.ranges.len(), self.corners.len());
+        self.rest.clear();
+        self.rest
+            .extend_from_slice(&self.corners[range.0 as usize..range.1 as usize]);
+        // What falls outside one side after the other stays; what is inside all of them is hidden.
+        for side in cone.sides {
+            let (is_above, is_below) = self.measure(side);
+            if !is_above {
+                self.ranges.truncate(before.0);
+                self.corners.truncate(before.1);
+                return false;
+            }
+            if is_below {
+                self.split();
+            }
+        }
+        true
+    }
+
+    /// Fills in the heights of the rest above a side; returns whether any is positive and whether any is negative.
+    fn measure(&mut self, side: &ConeSide) -> (bool, bool) {
+        self.heights.clear();
+        let (mut is_above, mut is_below) = (false, false);
+        for c in &self.rest {
+            let mut d = side.normal.dot(c.direction);
+            if d.abs() <= side.slack * c.length {
+                d = 0.0;
+            }
+            is_above |= d > 0.0;
+            is_below |= d < 0.0;
+            self.heights.push(d);
+        }
+        (is_above, is_below)
+    }
+
+    /// Splits the rest at height zero: what lies below becomes a piece, what lies above is the new rest.
+    fn split(&mut self) {
+        let first = self.corners.len();
+        self.inside.clear();
+        for (i, &a) in self.rest.iter().enumerate() {
+            let j = if i + 1 < self.rest.len() { i + 1 } else { 0 };
+            let (da, db) = (self.heights[i], self.heights[j]);
+            if da >= 0.0 {
+                self.inside.push(a);
+            }
+            if da <= 0.0 {
+                self.corners.push(a);
+            }
+            if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
+                let b = self.rest[j].direction;
+                let cut = Corner::new(a.direction + (b - a.direction) * (da / (da - db)));
+                self.inside.push(cut);
+                self.corners.push(cut);
+            }
+        }
+        self.ranges.push((first as u32, self.corners.len() as u32));
+        std::mem::swap(&mut self.rest, &mut self.inside);
+    }
+}
+
+impl Corner {
+    fn new(direction: DVec3) -> Self {
+        Self {
+            direction,
+            length: direction.length(),
+        }
+    }
+}
+
+/// True when `view` stands in front of the target, clear of its plane by more than round-off: within it, it would see the
+/// target under half of the sky or not at all as the last digit falls, and the back of an emitter would be lit by its front.
+fn faces(blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
+    target.plane.distance(view.position) > blockers.roundoff()
+}
+
+/// The part of a convex polygon above the horizon of `view`, as directions from it.
+fn clip_to_horizon(view: &Viewpoint, corners: &[DVec3]) -> Piece {
+    let height = |d: &DVec3| view.horizon.normal.dot(*d);
+    clip(
+        &corners
+            .iter()
+            .map(|&c| c - view.position)
+            .collect::<Piece>(),
+        height,
+    )
+}
+
+/// True when a plane through the viewpoint and an edge of either shape has them on different sides.
+fn is_apart(piece: &[Corner], cone: &Cone) -> bool {
+    let beyond_cone = cone.sides.iter().any(|s| {
+        piece
+            .iter()
+            .all(|c| s.normal.dot(c.direction) <= s.slack * c.length)
+    });
+    beyond_cone
+        || (0..piece.len()).any(|i| {
+            let (a, b) = (piece[i], piece[(i + 1) % piece.len()]);
+            let m = b.direction.cross(a.direction);
+            let slack = SIDE_ROUNDOFF * a.length * b.length;
+            cone.rim.iter().all(|r| m.dot(*r) <= 0.0) && holds(piece, m, slack)
+        })
+}
+
+/// True when the piece clearly reaches to the inner side of the plane with normal `m` and not to the other. The plane of an
+/// edge as short as round-off points anywhere and holds nothing.
+fn holds(piece: &[Corner], m: DVec3, slack: f64) -> bool {
+    let height = |c: &Corner| (m.dot(c.direction), slack * c.length);
+    piece.iter().map(height).all(|(h, slack)| h >= -slack)
+        && piece.iter().map(height).any(|(h, slack)| h > slack)
+}

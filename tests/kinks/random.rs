@@ -1,5 +1,6 @@
 //! Random polygons between an emitter and a floor: every break lies on a line, and across every line there is a break.
 
+use super::check_no_line_is_missed;
 use super::precision;
 use super::recall::{NEAR, breaks, is_confirmed, is_on_outline, random_chord};
 use crate::common::events::Events;
@@ -10,7 +11,7 @@ use crate::common::obj_lite::ObjMesh;
 use crate::common::rng::Rng;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{Discontinuity, LineTolerance, check_outlines, find_lines};
+use umbrage::discontinuity::{Discontinuity, LineTolerance, find_lines};
 use umbrage::pipeline::World;
 use umbrage::scene::{FaceId, FaceSide};
 
@@ -121,14 +122,7 @@ fn recall((world, mesh): &(World, ObjMesh), chords: usize, rng: &mut Rng, count:
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
     let lines = find_lines(scene, &light, LineTolerance::default());
-    let outlines = check_outlines(
-        scene,
-        &light,
-        &lines,
-        LineTolerance::default(),
-        OUTLINE_PAIRS,
-    );
-    assert!(outlines.changed > 0 && outlines.missed == 0, "{outlines:?}");
+    check_no_line_is_missed("random polygons", scene, &light, &lines, OUTLINE_PAIRS);
     let (face, side) = floor_of(world);
     let (size, normal) = (size_of_face(scene, face), scene.normal(face, side));
     for _ in 0..chords {

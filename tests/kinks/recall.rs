@@ -1,6 +1,6 @@
 //! Every break lies on a line.
 
-use super::search;
+use super::{check_no_line_is_missed, search};
 use crate::common::events::Events;
 use crate::common::kinks::{Kink, KinkSettings, find_kinks};
 use crate::common::library::{
@@ -11,7 +11,6 @@ use crate::common::rng::Rng;
 use crate::common::scenes::SHADOW_SCENES;
 use glam::DVec3;
 use umbrage::direct::DirectLight;
-use umbrage::discontinuity::{LineTolerance, check_outlines};
 use umbrage::scene::{FaceId, FaceSide, Scene};
 use umbrage::visibility::{Scratch, Viewpoint};
 
@@ -81,17 +80,7 @@ fn count(name: &str, chords: usize, rng: &mut Rng) -> Count {
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
     let lines = search(&world);
-    let outlines = check_outlines(
-        scene,
-        &light,
-        &lines,
-        LineTolerance::default(),
-        OUTLINE_PAIRS,
-    );
-    assert!(
-        outlines.changed > 0 && outlines.missed == 0,
-        "{name}: {outlines:?}"
-    );
+    check_no_line_is_missed(name, scene, &light, &lines, OUTLINE_PAIRS);
     let events = Events::new(&local_mesh(name, scene));
     let mut count = Count::default();
     for (face, side) in receiver_sides(scene) {

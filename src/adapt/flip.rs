@@ -19,6 +19,9 @@ const FLOOR_SHARE: f64 = 0.3;
 /// Triangles get no flatter than this many pixels: the grid's rounding would show in their shape.
 const FLATTEST_PX: i64 = 64;
 
+/// Misfits at the middles of an element's edges, as far as they are known, W/m².
+type EdgeMisfits = [Option<Irradiance>; 3];
+
 /// Two elements, the first's edge between them and the second's.
 #[derive(Clone, Copy)]
 struct Pair {
@@ -63,23 +66,46 @@ impl Receiver {
         let mut open: Vec<(usize, usize)> = (0..mesh.elements.len())
             .flat_map(|e| [(e, 0), (e, 1), (e, 2)])
             .collect();
+        let mut misfits: Vec<EdgeMisfits> = vec![[None; 3]; mesh.elements.len()];
         while let Some((e, k)) = open.pop() {
             let Some(pair) = Pair::across(mesh, e, k) else {
                 continue;
             };
-            if self.should_turn(light, mesh, pair, FLOOR_SHARE * limit) {
+            if self.should_turn(light, mesh, &mut misfits, pair, FLOOR_SHARE * limit) {
                 mesh.flip(pair.e, pair.k, pair.f, pair.m);
                 for t in [pair.e, pair.f] {
+                    misfits[t] = [None; 3];
                     open.extend([(t, 0), (t, 1), (t, 2)]);
                 }
             }
         }
     }
 
+    /// The misfit at edge `k` of element `e`, looked up once.
+    fn known_misfit(
+        &mut self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        misfits: &mut [EdgeMisfits],
+        e: usize,
+        k: usize,
+    ) -> Irradiance {
+        if let Some(known) = misfits[e][k] {
+            return known;
+        }
+        let misfit = self.edge_misfit(light, mesh, e, k);
+        misfits[e][k] = Some(misfit);
+        if let Some(Pair { f, m, .. }) = Pair::across(mesh, e, k) {
+            misfits[f][m] = Some(misfit);
+        }
+        misfit
+    }
+
     fn should_turn(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
+        misfits: &mut [EdgeMisfits],
         pair: Pair,
         floor: f64,
     ) -> bool {
@@ -87,7 +113,7 @@ impl Receiver {
             return false;
         };
         let Pair { e, k, f, m } = pair;
-        let mut at = |e: usize, k: usize| self.edge_misfit(light, mesh, e, k % 3);
+        let mut at = |e: usize, k: usize| self.known_misfit(light, mesh, misfits, e, k % 3);
         let ab = at(e, k);
         let [bc, ca] = [at(e, k + 1), at(e, k + 2)];
         let [ad, db] = [at(f, m + 1), at(f, m + 2)];

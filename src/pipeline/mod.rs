@@ -275,16 +275,19 @@ pub fn light<'a>(
             }
             solution.receivers.iter_mut().for_each(Receiver::relight);
         }
-        clock.start("display mesh", &mut summary);
-        let light = Illumination {
-            direct: &solution.direct,
-            indirect: solution.indirect.as_ref(),
-        };
-        let target = settings.error * display;
-        let report = mesher.refine(&mut solution.receivers, &light, target, 0.0, |f| {
-            clock.tick(f)
-        })?;
-        summary.adapt.add(&report);
+        // Without indirect light nothing is new the first time.
+        if solution.indirect.is_some() || round > 0 {
+            clock.start("display mesh", &mut summary);
+            let light = Illumination {
+                direct: &solution.direct,
+                indirect: solution.indirect.as_ref(),
+            };
+            let target = settings.error * display;
+            let report = mesher.refine(&mut solution.receivers, &light, target, 0.0, |f| {
+                clock.tick(f)
+            })?;
+            summary.adapt.add(&report);
+        }
         clock.start("measure", &mut summary);
         let measured = solution.measure(settings.samples, settings.seed + round as u64);
         summary.measured = measured;

@@ -75,7 +75,7 @@ pub(super) fn assert_same(found: &[DVec3], expected: &[DVec3], tolerance: f64, w
     }
 }
 
-fn with_positions(raw: &RawScene, change: impl Fn(DVec3) -> DVec3) -> RawScene {
+pub(super) fn with_positions(raw: &RawScene, change: impl Fn(DVec3) -> DVec3) -> RawScene {
     let mut changed = raw.clone();
     changed.positions.iter_mut().for_each(|p| *p = change(*p));
     changed

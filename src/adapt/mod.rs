@@ -45,6 +45,8 @@ pub struct Illumination<'a> {
     /// By way of other faces, once it is known.
     pub indirect: Option<&'a IndirectField<'a>>,
 }
+    /// What the direct light may be off by at a point, W/m²: 0 where it is to be exact.
+    pub tolerance: f64,
 
 /// Share of the permitted squared error that may stay in unmarked elements.
 ///

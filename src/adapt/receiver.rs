@@ -3,12 +3,12 @@
 use super::Illumination;
 use super::breaks::Rank;
 use super::fit::fit;
-use super::samples::{ElementError, Samples};
+use super::samples::{ElementError, Samples, direct_at};
 use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Irradiance;
 use crate::scene::{FaceId, FaceSide, Scene};
-use crate::visibility::{Scratch, Viewpoint};
+use crate::visibility::Viewpoint;
 use glam::DVec2;
 
 /// An element is not divided when its longest edge is shorter than this many pixels: the grid's rounding (a few pixels)
@@ -143,10 +143,7 @@ impl Receiver {
 
     /// Direct and indirect irradiance at a point of the plane.
     pub fn total(&self, light: &Illumination, p: DVec2) -> Irradiance {
-        let direct = light
-            .direct
-            .irradiance(&self.view(p), &mut Scratch::default());
-        direct + self.indirect_at(light, p)
+        direct_at(light, &self.view(p)) + self.indirect_at(light, p)
     }
 
     /// Forgets what was known of the errors: the indirect light has changed.

@@ -4,8 +4,9 @@ use super::misfit::Misfit;
 use super::{Illumination, Receiver};
 use crate::mesh::{GridPoint, ReceiverMesh, barycentric};
 use crate::quantity::Irradiance;
-use crate::visibility::Scratch;
+use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec2;
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
@@ -81,7 +82,19 @@ pub(super) struct Samples {
     elements: Map<[GridPoint; 3], ElementError>,
     /// Exact evaluations of direct light so far.
     pub(super) evaluations: usize,
-    scratch: Scratch,
+}
+
+thread_local! {
+    /// One a thread and not one a receiver: what stands before a single point can fill a megabyte.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// Direct irradiance at `view` as the refinement needs it, W/m².
+pub(super) fn direct_at(light: &Illumination, view: &Viewpoint) -> Irradiance {
+    SCRATCH.with_borrow_mut(|scratch| {
+        let direct = light.direct;
+        direct.irradiance_within(view, light.tolerance, scratch)
+    })
 }
 
 impl Samples {
@@ -124,8 +137,7 @@ impl Receiver {
     /// Exact direct irradiance at a point of the plane.
     pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
         self.samples.evaluations += 1;
-        let view = self.view(p);
-        light.direct.irradiance(&view, &mut self.samples.scratch)
+        direct_at(light, &self.view(p))
     }
 
     /// Indirect irradiance at a point of the plane.

@@ -3,7 +3,7 @@
 use super::form_factor_of_directions;
 use crate::geom::Plane;
 use crate::quantity::{Exitance, Irradiance};
-use crate::scene::{EmitterId, FaceSide, Scene};
+use crate::scene::{EmitterId, FaceId, FaceSide, Scene};
 use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -13,6 +13,8 @@ use smallvec::SmallVec;
 pub struct EmitterPolygon {
     /// The emitter it is a piece of.
     pub emitter: EmitterId,
+    /// The face that it is a piece of.
+    pub face: FaceId,
     /// Corners, counter-clockwise seen from the side that shines, metres.
     pub corners: Vec<DVec3>,
     /// Its plane, normal towards the side that shines.
@@ -58,6 +60,35 @@ fn weight(view: &Viewpoint, piece: &[DVec3]) -> f64 {
     form_factor_of_directions(view.shading, &above)
 }
 
+/// The form factor of what `view` sees of a polygon.
+pub(super) fn visible_factor(
+    polygon: &EmitterPolygon,
+    blockers: &Blockers,
+    view: &Viewpoint,
+    scratch: &mut Scratch,
+) -> f64 {
+    let mut f = 0.0;
+    scratch.visible_pieces(blockers, view, polygon.target(), |piece| {
+        f += weight(view, piece);
+    });
+    f
+}
+
+/// The form factor of a polygon as if nothing hid it.
+pub(super) fn unoccluded_factor(
+    polygon: &EmitterPolygon,
+    blockers: &Blockers,
+    view: &Viewpoint,
+    scratch: &mut Scratch,
+) -> f64 {
+    let mut f = 0.0;
+    let none = std::iter::empty();
+    scratch.visible_past(blockers, none, view, polygon.target(), |piece| {
+        f += weight(view, piece);
+    });
+    f
+}
+
 /// Everything needed to evaluate light straight from the emitters.
 pub struct DirectLight<'a> {
     /// The opaque world.
@@ -81,6 +112,7 @@ impl<'a> DirectLight<'a> {
                 }
                 polygons.push(EmitterPolygon {
                     emitter: id,
+                    face: emitter.face,
                     corners,
                     plane: Plane::new(face.frame.origin, normal),
                     exitance,
@@ -99,16 +131,7 @@ impl<'a> DirectLight<'a> {
     ) -> Irradiance {
         let mut sum = Irradiance::ZERO;
         for polygon in self.polygons.iter().filter(|p| p.emitter == emitter) {
-            let mut f = 0.0;
-            scratch.visible_past(
-                self.blockers,
-                std::iter::empty(),
-                view,
-                polygon.target(),
-                |piece| {
-                    f += weight(view, piece);
-                },
-            );
+            let f = unoccluded_factor(polygon, self.blockers, view, scratch);
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
         }
         sum
@@ -130,10 +153,7 @@ impl<'a> DirectLight<'a> {
     pub fn irradiance(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
         let mut sum = Irradiance::ZERO;
         for polygon in &self.polygons {
-            let mut f = 0.0;
-            scratch.visible_pieces(self.blockers, view, polygon.target(), |piece| {
-                f += weight(view, piece);
-            });
+            let f = visible_factor(polygon, self.blockers, view, scratch);
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
         }
         sum

@@ -2,6 +2,7 @@
 
 mod emitters;
 mod irradiance;
+mod many;
 
 pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};

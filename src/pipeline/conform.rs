@@ -210,6 +210,7 @@ impl<'a> Builder<'a> {
         let value = if r.is_lit {
             let light = Illumination {
                 direct: &self.solution.direct,
+                tolerance: 0.0,
                 indirect: self.solution.indirect.as_ref(),
             };
             r.total(&light, inside)

@@ -5,6 +5,7 @@ mod convergence;
 mod exposure;
 mod indirect;
 mod lines;
+mod lit;
 mod measure;
 mod mesh_edges;
 mod probe;
@@ -23,18 +24,16 @@ pub use summary::{LeftOut, Stage, Summary};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
-use crate::discontinuity::{
-    Discontinuity, FaceLines, LineMap, LineTolerance, check_outlines, find_lines,
-};
+use crate::discontinuity::{FaceLines, LineTolerance, check_outlines, find_lines};
 use crate::lit_scene::LitScene;
 use crate::mesh::MeshError;
-use crate::radiosity::{Bounces, IndirectField, reached};
+use crate::radiosity::{Bounces, IndirectField};
 use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
-use crate::visibility::{Blockers, Scratch, Viewpoint};
+use crate::visibility::Blockers;
 use crate::warning::Warning;
 use indirect::{Rooms, Shown, request};
-use rayon::prelude::*;
+use lit::{guess_direct, lit_sides};
 use std::time::Instant;
 
 /// Why a scene could not be lit.
@@ -64,18 +63,16 @@ const OUTLINE_PAIRS: usize = 200;
 /// their lines.
 const START_SPACING: f64 = 0.15;
 
-/// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
-const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
-
-/// How far beside a line light is looked for, as a share of its length.
-const BESIDE_SHARE: f64 = 0.01;
-
 /// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
 /// squares, and the rest is left to the solution.
 const DISPLAY_SHARE: f64 = 0.8;
 const FIELD_SHARE: f64 = 0.45;
 
 /// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
+/// Share of the permitted error that the weakest emitters at a point may together be off by at most: they are looked at by
+/// single rays.
+const WEAK_SHARE: f64 = 0.2;
+
 const DIRECT_SHARE: f64 = 0.9;
 
 /// A part that exceeded its share is asked for so much more than its excess.
@@ -180,6 +177,7 @@ pub fn light<'a>(
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
     let mut mesher = Mesher {
         meshing: settings.meshing,
+    let mean_direct = guess_direct(scene, &direct, &sides, &is_lit);
         spacing: START_SPACING * scene.diagonal,
     };
     let rooms = Rooms {
@@ -219,8 +217,10 @@ pub fn light<'a>(
     let target = settings.error * display_share;
     let before = Illumination {
         direct: &direct,
+    let tolerance = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
         indirect: None,
     };
+        tolerance,
     summary.adapt = mesher.refine(&mut receivers, &before, target, mean_indirect, |f| {
         clock.tick(f)
     })?;
@@ -297,6 +297,7 @@ pub fn light<'a>(
         }
         // What an estimate has missed is asked for on top, of that part which exceeds its share.
         let ask_more = |share: f64, found: f64, allowed: f64| {
+            tolerance,
             if found > allowed * settings.error {
                 share * (allowed * settings.error / found).max(0.25) * MISSED_MARGIN
             } else {
@@ -351,65 +352,6 @@ fn receiver_sides(scene: &Scene) -> Vec<(FaceId, FaceSide)> {
         .ids()
         .flat_map(|f| [FaceSide::Front, FaceSide::Back].map(|s| (f, s)))
         .filter(|&(f, s)| scene.receives(f, s))
-        .collect()
-}
-
-/// Which sides light reaches: directly (it shows at coarse points, or draws a line), or by way of other sides.
-fn lit_sides(
-    world: &World,
-    direct: &DirectLight,
-    lines: &LineMap,
-    sides: &[(FaceId, FaceSide)],
-    with_bounces: bool,
-) -> Vec<bool> {
-    let scene = &world.scene;
-    let views: Vec<Vec<Viewpoint>> = sides
-        .iter()
-        .map(|&(face, side)| {
-            let f = &scene.faces[face];
-            f.triangles
-                .iter()
-                .map(|t| {
-                    let centre = t.map(|v| scene.vertices[v]).iter().sum::<glam::DVec3>() / 3.0;
-                    let on_plane = f.frame.to_space(f.frame.to_plane(centre));
-                    Viewpoint::new(on_plane, scene.normal(face, side))
-                })
-                .collect()
-        })
-        .collect();
-    let lit: Vec<bool> = sides
-        .par_iter()
-        .zip(&views)
-        .map_init(Scratch::default, |scratch, (&(face, side), views)| {
-            let mut shines = |v: &Viewpoint| {
-                // What the cutting of cones leaves of a hidden emitter is no light.
-                let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
-                direct.irradiance(v, scratch).mean() > least
-            };
-            views.iter().any(&mut shines)
-                || beside_lines(scene, &lines.of(face, side).candidates)
-                    .iter()
-                    .any(shines)
-        })
-        .collect();
-    if with_bounces {
-        reached(&world.blockers, sides, &views, &lit)
-    } else {
-        lit
-    }
-}
-
-/// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines
-/// around it.
-fn beside_lines(scene: &Scene, lines: &[Discontinuity]) -> Vec<Viewpoint> {
-    lines
-        .iter()
-        .flat_map(|line| {
-            let normal = scene.normal(line.face, line.side);
-            let [a, b] = line.ends;
-            let across = normal.cross(b - a) * BESIDE_SHARE;
-            [1.0, -1.0].map(|s| Viewpoint::new(0.5 * (a + b) + across * s, normal))
-        })
         .collect()
 }
 

@@ -183,6 +183,7 @@ fn errors(solution: &Solution, mesh: &LitMesh) -> Vec<f64> {
     };
     let light = Illumination {
         direct: &solution.direct,
+        tolerance: 0.0,
         indirect: solution.indirect.as_ref(),
     };
     mesh.triangles

@@ -19,7 +19,7 @@ use glam::DVec3;
 /// Buffers that live over many calls.
 #[derive(Default)]
 pub struct Scratch {
-    pieces: Pieces,
+    pub(super) pieces: Pieces,
     /// One piece, for the caller to see.
     shown: Vec<DVec3>,
     candidates: Vec<u32>,
@@ -35,7 +35,7 @@ struct Corner {
 
 /// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
 #[derive(Default)]
-struct Pieces {
+pub(super) struct Pieces {
     corners: Vec<Corner>,
     ranges: Vec<(u32, u32)>,
     /// What is left of the piece that is being cut, its heights above the plane that cuts it, and what remains then.
@@ -61,14 +61,16 @@ impl Scratch {
             std::mem::take(&mut self.cones),
         );
         candidates.clear();
-        if faces(blockers, view, target) {
+        if self.starts(blockers, view, target)
+            && !self.is_hidden_by_few(blockers, view, target, &mut cones)
+        {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
             let region = Region::pyramid(view.position, target.corners);
             blockers.collect(view, region, target.plane, &mut candidates);
-        }
-        let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
-        if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
-            self.visible_past(blockers, cones.iter(), view, target, visit);
+            let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
+            if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
+                self.visible_past(blockers, cones.iter(), view, target, visit);
+            }
         }
         self.candidates = candidates;
         self.cones = cones;
@@ -83,14 +85,9 @@ impl Scratch {
         target: Target,
         mut visit: impl FnMut(&[DVec3]),
     ) {
-        if !faces(blockers, view, target) {
+        if !self.starts(blockers, view, target) {
             return;
         }
-        let above = clip_to_horizon(view, target.corners);
-        if above.len() < 3 {
-            return;
-        }
-        self.pieces.start(&above);
         for cone in cones {
             self.pieces.subtract(&cone);
             if self.pieces.ranges.is_empty() {
@@ -103,6 +100,19 @@ impl Scratch {
                 .extend(self.pieces.piece(range).iter().map(|c| c.direction));
             visit(&self.shown);
         }
+    }
+
+    /// Holds what is above the horizon of `view` as the one piece; returns whether that is anything and faces it.
+    fn starts(&mut self, blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
+        if !faces(blockers, view, target) {
+            return false;
+        }
+        let above = clip_to_horizon(view, target.corners);
+        if above.len() < 3 {
+            return false;
+        }
+        self.pieces.start(&above);
+        true
     }
 }
 
@@ -119,8 +129,14 @@ impl Pieces {
         &self.corners[from as usize..to as usize]
     }
 
+    /// One of the pieces, if any is left.
+    pub(super) fn last(&self) -> Option<Piece> {
+        let range = self.ranges.last()?;
+        Some(self.piece(*range).iter().map(|c| c.direction).collect())
+    }
+
     /// Cuts `cone` out of all pieces.
-    fn subtract(&mut self, cone: &Cone) {
+    pub(super) fn subtract(&mut self, cone: &Cone) {
         let count = self.ranges.len();
         let mut kept = 0;
         for i in 0..count {
@@ -214,13 +230,11 @@ fn faces(blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
 /// The part of a convex polygon above the horizon of `view`, as directions from it.
 fn clip_to_horizon(view: &Viewpoint, corners: &[DVec3]) -> Piece {
     let height = |d: &DVec3| view.horizon.normal.dot(*d);
-    clip(
-        &corners
-            .iter()
-            .map(|&c| c - view.position)
-            .collect::<Piece>(),
-        height,
-    )
+    let directions: Piece = corners.iter().map(|&c| c - view.position).collect();
+    if directions.iter().all(|d| height(d) >= 0.0) {
+        return directions;
+    }
+    clip(&directions, height)
 }
 
 /// True when a plane through the viewpoint and an edge of either shape has them on different sides.

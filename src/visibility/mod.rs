@@ -4,6 +4,7 @@ mod backprojection;
 mod blockers;
 mod box_tree;
 mod cone;
+mod hidden;
 mod ray;
 mod region;
 mod view;

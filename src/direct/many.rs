@@ -1,0 +1,113 @@
+//! Light from many emitters at a point, each only as finely as it matters there.
+//!
+//! What an emitter would give if nothing hid it bounds what it gives. The weakest, as many as together stay below what the
+//! result may be off by, are seen or not as one ray to their middle tells; the others are cut exactly.
+
+use super::DirectLight;
+use super::emitters::{EmitterPolygon, unoccluded_factor, visible_factor};
+use crate::quantity::Irradiance;
+use crate::visibility::{Scratch, Viewpoint};
+use glam::DVec3;
+use smallvec::SmallVec;
+
+/// So many emitters are kept track of without allocating.
+const USUAL: usize = 32;
+
+/// What an emitter may give at one point.
+struct Prospect<'e> {
+    polygon: &'e EmitterPolygon,
+    /// Its form factor if nothing hid it.
+    factor: f64,
+    /// What it gives then, mean of the channels, W/m².
+    light: f64,
+}
+
+impl DirectLight<'_> {
+    /// Irradiance at `view` straight from all emitters, W/m², off by no more than `tolerance` (W/m², mean of the channels):
+    /// [`DirectLight::irradiance`] at zero.
+    pub fn irradiance_within(
+        &self,
+        view: &Viewpoint,
+        tolerance: f64,
+        scratch: &mut Scratch,
+    ) -> Irradiance {
+        if tolerance <= 0.0 {
+            return self.irradiance(view, scratch);
+        }
+        let prospects = self.prospects(view, scratch);
+        let weak = weakest(prospects.iter().map(|p| p.light), tolerance);
+        let mut sum = Irradiance::ZERO;
+        for p in &prospects {
+            let factor = if p.light > weak {
+                visible_factor(p.polygon, self.blockers, view, scratch)
+            } else if self.sees_middle(p.polygon, view) {
+                p.factor
+            } else {
+                0.0
+            };
+            sum += Irradiance(p.polygon.exitance.0 * factor.max(0.0));
+        }
+        sum
+    }
+
+    /// Roughly the irradiance at `view`, W/m²: each emitter is seen wholly or not, as one ray to its middle tells.
+    pub fn by_rays(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
+        self.irradiance_within(view, f64::INFINITY, scratch)
+    }
+
+    /// The emitters that `view` would see if nothing hid them.
+    fn prospects(
+        &self,
+        view: &Viewpoint,
+        scratch: &mut Scratch,
+    ) -> SmallVec<[Prospect<'_>; USUAL]> {
+        let all = self.polygons.iter().map(|polygon| {
+            let factor = unoccluded_factor(polygon, self.blockers, view, scratch);
+            Prospect {
+                polygon,
+                factor,
+                light: factor * polygon.exitance.0.mean(),
+            }
+        });
+        all.filter(|p| p.light > 0.0).collect()
+    }
+
+    fn sees_middle(&self, polygon: &EmitterPolygon, view: &Viewpoint) -> bool {
+        let middle = polygon.corners.iter().sum::<DVec3>() / polygon.corners.len() as f64;
+        self.blockers.sees(view, middle, polygon.face)
+    }
+}
+
+/// The strongest of those that are weak: it and all that give no more, together give no more than `tolerance`. Zero when
+/// none is.
+fn weakest(lights: impl Iterator<Item = f64>, tolerance: f64) -> f64 {
+    let mut lights: SmallVec<[f64; USUAL]> = lights.collect();
+    lights.sort_unstable_by(f64::total_cmp);
+    let (mut sum, mut weak) = (0.0, 0.0);
+    for equals in lights.chunk_by(|a, b| a == b) {
+        sum += equals.iter().sum::<f64>();
+        if sum > tolerance {
+            break;
+        }
+        weak = equals[0];
+    }
+    weak
+}
+
+#[cfg(test)]
+mod tests {
+    use super::weakest;
+
+    #[test]
+    fn the_weak_stay_below_the_tolerance_together_and_equals_are_treated_alike() {
+        let lights = [4.0, 0.5, 1.0, 2.0, 1.0];
+        let weak = |tolerance| weakest(lights.into_iter(), tolerance);
+        assert_eq!(weak(0.4), 0.0);
+        assert_eq!(weak(0.5), 0.5);
+        // One of the equals would still fit.
+        assert_eq!(weak(2.0), 0.5);
+        assert_eq!(weak(2.5), 1.0);
+        assert_eq!(weak(100.0), 4.0);
+        assert_eq!(weakest(std::iter::empty(), 1.0), 0.0);
+    }
+}

@@ -1,0 +1,135 @@
+//! Which sides light reaches, and about how much.
+
+use super::World;
+use crate::direct::DirectLight;
+use crate::discontinuity::{Discontinuity, LineMap};
+use crate::radiosity::reached;
+use crate::scene::{FaceId, FaceSide, Scene};
+use crate::visibility::{Scratch, Viewpoint};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
+const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
+
+/// How far beside a line light is looked for, as a share of its length.
+const BESIDE_SHARE: f64 = 0.01;
+
+/// Points that tell how strong the direct light is in the mean: to some ten per cent of it.
+const GUESS_POINTS: u32 = 1024;
+
+/// Multiples of these fill the square evenly (Roberts 2018).
+const SPREAD: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+
+/// Which sides light reaches: directly (it shows at coarse points, or draws a line), or by way of other sides.
+pub(super) fn lit_sides(
+    world: &World,
+    direct: &DirectLight,
+    lines: &LineMap,
+    sides: &[(FaceId, FaceSide)],
+    with_bounces: bool,
+) -> Vec<bool> {
+    let scene = &world.scene;
+    let views: Vec<Vec<Viewpoint>> = sides
+        .iter()
+        .map(|&(face, side)| views(scene, face, side))
+        .collect();
+    let lit: Vec<bool> = sides
+        .par_iter()
+        .zip(&views)
+        .map_init(Scratch::default, |scratch, (&(face, side), views)| {
+            let beside = beside_lines(scene, &lines.of(face, side).candidates);
+            is_lit(direct, views, &beside, scratch)
+        })
+        .collect();
+    if with_bounces {
+        reached(&world.blockers, sides, &views, &lit)
+    } else {
+        lit
+    }
+}
+
+/// The middles of a side's triangles.
+fn views(scene: &Scene, face: FaceId, side: FaceSide) -> Vec<Viewpoint> {
+    let f = &scene.faces[face];
+    let middle = |t: &[_; 3]| t.map(|v| scene.vertices[v]).iter().sum::<DVec3>() / 3.0;
+    let on_plane = |p: DVec3| f.frame.to_space(f.frame.to_plane(p));
+    f.triangles
+        .iter()
+        .map(|t| Viewpoint::new(on_plane(middle(t)), scene.normal(face, side)))
+        .collect()
+}
+
+/// Whether one of the viewpoints sees an emitter.
+fn is_lit(
+    direct: &DirectLight,
+    views: &[Viewpoint],
+    beside: &[Viewpoint],
+    scratch: &mut Scratch,
+) -> bool {
+    let all = || views.iter().chain(beside);
+    // Most that is lit sees the middle of an emitter.
+    if all().any(|v| direct.by_rays(v, scratch).mean() > 0.0) {
+        return true;
+    }
+    all().any(|v| {
+        // What the cutting of cones leaves of a hidden emitter is no light.
+        let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
+        direct.irradiance(v, scratch).mean() > least
+    })
+}
+
+/// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines
+/// around it.
+fn beside_lines(scene: &Scene, lines: &[Discontinuity]) -> Vec<Viewpoint> {
+    lines
+        .iter()
+        .flat_map(|line| {
+            let normal = scene.normal(line.face, line.side);
+            let [a, b] = line.ends;
+            let across = normal.cross(b - a) * BESIDE_SHARE;
+            [1.0, -1.0].map(|s| Viewpoint::new(0.5 * (a + b) + across * s, normal))
+        })
+        .collect()
+}
+
+/// About the mean of the direct irradiance over the lit sides, W/m²: at points spread evenly over their area, by single
+/// rays.
+pub(super) fn guess_direct(
+    scene: &Scene,
+    direct: &DirectLight,
+    sides: &[(FaceId, FaceSide)],
+    is_lit: &[bool],
+) -> f64 {
+    let mut triangles = Vec::new();
+    let mut area = 0.0;
+    for (&(face, side), _) in sides.iter().zip(is_lit).filter(|(_, lit)| **lit) {
+        for t in &scene.faces[face].triangles {
+            let corners = t.map(|v| scene.vertices[v]);
+            area += triangle_area(corners);
+            triangles.push((area, corners, scene.normal(face, side)));
+        }
+    }
+    if triangles.is_empty() {
+        return 0.0;
+    }
+    let lights: Vec<f64> = (0..GUESS_POINTS)
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, i| {
+            let at = area * (f64::from(i) + 0.5) / f64::from(GUESS_POINTS);
+            let k = triangles
+                .partition_point(|t| t.0 <= at)
+                .min(triangles.len() - 1);
+            let (_, [a, b, c], normal) = triangles[k];
+            let [u, v] = SPREAD.map(|r| (r * f64::from(i + 1)).fract());
+            let root = u.sqrt();
+            let p = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
+            direct.by_rays(&Viewpoint::new(p, normal), scratch).mean()
+        })
+        .collect();
+    lights.iter().sum::<f64>() / f64::from(GUESS_POINTS)
+}
+
+fn triangle_area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}

@@ -1,0 +1,74 @@
+//! The commonest answer first: a few walls stand before all of it.
+//!
+//! A ray towards what is left of the target finds a face that hides some of it; that is cut away, and the next ray goes to
+//! what is left then. Most of what is hidden is gone after a ray or two, without a search of all the space between.
+
+use super::{Blockers, Cones, Scratch, Target, Viewpoint};
+use crate::scene::FaceId;
+use glam::DVec3;
+
+/// Rays at most. Where that many faces do not hide a target together it is usually seen, in part.
+const PROBES: usize = 12;
+
+impl Scratch {
+    /// True when the faces that a few rays from `view` meet hide all of `target` that is above the horizon. False says
+    /// nothing.
+    pub(super) fn is_hidden_by_few(
+        &mut self,
+        blockers: &Blockers,
+        view: &Viewpoint,
+        target: Target,
+        cones: &mut Cones,
+    ) -> bool {
+        for _ in 0..PROBES {
+            let Some(base) = self.pieces.last() else {
+                return true;
+            };
+            let way = base.iter().sum::<DVec3>() / base.len() as f64;
+            let Some(face) = blockers.first_on(view, way, target) else {
+                return false;
+            };
+            let parts: smallvec::SmallVec<[u32; 8]> = blockers
+                .parts_of(face)
+                .filter(|&i| blockers.is_above(view, i))
+                .collect();
+            blockers.cones(&parts, view, target.plane, &base, cones);
+            if cones.is_empty() {
+                return false;
+            }
+            cones.iter().for_each(|cone| self.pieces.subtract(&cone));
+        }
+        self.pieces.last().is_none()
+    }
+}
+
+impl Blockers {
+    /// The first face from `view` on the way `way` (metres) that ends on `target`.
+    fn first_on(&self, view: &Viewpoint, way: DVec3, target: Target) -> Option<FaceId> {
+        let tol = self.weld_distance();
+        let length = way.length();
+        if length <= tol {
+            return None;
+        }
+        // What lies in the plane of the target does not hide it.
+        let is_before = |t: f64| target.plane.distance(view.position + way * t) > tol;
+        let hit = self
+            .rays()
+            .nearest_where(view.position, way, tol / length, 1.0, |h| is_before(h.t))?;
+        Some(self.ray_owner(hit.triangle))
+    }
+
+    /// Whether any of a part lies above the horizon of `view`, farther than the weld distance.
+    fn is_above(&self, view: &Viewpoint, part: u32) -> bool {
+        let mut corners = self.corners(self.part(part)).iter();
+        corners.any(|&c| view.horizon.distance(c) > self.weld_distance())
+    }
+
+    /// Indices of the parts of a face.
+    fn parts_of(&self, face: FaceId) -> std::ops::Range<u32> {
+        let parts = self.parts();
+        let first = parts.partition_point(|p| p.face < face);
+        let count = parts[first..].partition_point(|p| p.face == face);
+        first as u32..(first + count) as u32
+    }
+}

@@ -73,6 +73,7 @@
 pub mod adapt;
 pub mod bad_input;
 mod bake;
+pub mod budget;
 pub mod compare;
 pub mod direct;
 pub mod discontinuity;

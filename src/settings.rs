@@ -1,6 +1,7 @@
 //! Every knob, its unit and its default.
 
 use crate::adapt::Meshing;
+use crate::budget::Budget;
 use crate::radiosity::Bounces;
 use crate::scene::CleanSettings;
 
@@ -11,6 +12,8 @@ pub struct Settings {
     pub error: f64,
     /// How often light is reflected.
     pub bounces: Bounces,
+    /// What the run may use.
+    pub budget: Budget,
     /// What display meshes follow.
     pub meshing: Meshing,
     /// Tolerances of the clean-up.
@@ -28,6 +31,7 @@ impl Default for Settings {
         Self {
             error: 0.01,
             bounces: Bounces::All,
+            budget: Budget::default(),
             meshing: Meshing::default(),
             clean: CleanSettings::default(),
             exposure: Exposure::Auto,

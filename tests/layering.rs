@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last stage; those on one line do not use each other, but for their own.
-const RANKS: [&[&str]; 18] = [
+const RANKS: [&[&str]; 19] = [
     &["bad_input", "warning", "quantity"],
+    &["budget"],
     &["geom"],
     &["texture"],
     &["scene"],

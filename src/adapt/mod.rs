@@ -12,14 +12,17 @@ mod fit;
 mod flip;
 mod misfit;
 mod receiver;
+mod room;
 mod samples;
 #[cfg(test)]
 mod tests;
 mod thin;
 
 pub use receiver::Receiver;
+use room::Room;
 use thin::Removable;
 
+use crate::budget::Meter;
 use crate::direct::DirectLight;
 use crate::mesh::MeshError;
 use crate::radiosity::IndirectField;
@@ -42,11 +45,11 @@ pub enum Meshing {
 pub struct Illumination<'a> {
     /// Straight from the emitters, exact.
     pub direct: &'a DirectLight<'a>,
+    /// What the direct light may be off by at a point, W/m²: 0 where it is to be exact.
+    pub tolerance: f64,
     /// By way of other faces, once it is known.
     pub indirect: Option<&'a IndirectField<'a>>,
 }
-    /// What the direct light may be off by at a point, W/m²: 0 where it is to be exact.
-    pub tolerance: f64,
 
 /// Share of the permitted squared error that may stay in unmarked elements.
 ///
@@ -72,11 +75,20 @@ const THINNINGS: usize = 3;
 /// worth 4/N of it.
 const THIN_SHARE: f64 = 0.5;
 
+/// Dividing an element adds a point, and so two elements; a line adds more.
+const ELEMENTS_A_MARK: usize = 2;
+
+/// How often a mesh that may have no more elements gives up those that are worth little for others.
+const SQUEEZES: usize = 2;
+
 /// A uniform mesh stops at this many elements, whatever its error: without lines it may never get there.
 const MOST_UNIFORM: usize = 250_000;
 
 /// The next uniform mesh has between this and half of the spacing of the last one.
 const LEAST_STEP: f64 = 0.9;
+
+/// Of two uniform meshes the next has at least so many times the elements of the last.
+const UNIFORM_GROWTH: f64 = 1.0 / (LEAST_STEP * LEAST_STEP);
 
 /// What the adaptation did.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
@@ -151,8 +163,18 @@ impl Errors {
         self.total <= self.allowed || self.squares.is_empty()
     }
 
-    /// Elements with at least this squared error are marked.
-    fn limit(&self) -> f64 {
+    /// Elements with at least this squared error are marked: `most` at most. None when that is none.
+    fn limit(&self, most: usize) -> Option<f64> {
+        let worst = self
+            .squares
+            .len()
+            .checked_sub(most.min(self.squares.len()))?;
+        let least = *self.squares.get(worst)?;
+        Some(self.enough().max(least))
+    }
+
+    /// Elements with at least this squared error have to be divided, no more.
+    fn enough(&self) -> f64 {
         let mut unmarked = 0.0;
         let all = self.squares.iter().find(|&&s| {
             unmarked += s;
@@ -169,7 +191,8 @@ impl Errors {
 }
 
 /// Refines the lit `receivers` until the RMS error of the light that they show is estimated below `error` times its mean,
-/// both over the lit surfaces. `mean_besides` (W/m²) is added to the mean: light that comes later.
+/// both over the lit surfaces, or until the budget is used up. `mean_besides` (W/m²) is added to the mean: light that comes
+/// later.
 ///
 /// # Errors
 /// [`MeshError`]: our own bug.
@@ -178,11 +201,14 @@ pub fn refine(
     light: &Illumination,
     error: f64,
     mean_besides: f64,
+    meter: &Meter,
     mut progress: impl FnMut(f64),
 ) -> Result<AdaptReport, MeshError> {
     let mut report = AdaptReport::default();
     let mut limit = None;
     let mut thinnings = 0;
+    let mut room = Room::new(meter);
+    let mut squeezes = 0;
     update(receivers, light, limit)?;
     while report.passes < MAX_PASSES {
         let found = Errors::measure(receivers, light, error, mean_besides, true);
@@ -192,8 +218,26 @@ pub fn refine(
         report.passes += 1;
         report.estimated_rms = rms;
         progress((errors.target / rms).min(1.0));
+        if meter.is_used_up() {
+            break;
+        }
         if !errors.is_met() {
-            let least = errors.limit();
+            let Some(least) = errors.limit(room.marks(receivers)) else {
+                if squeezes == SQUEEZES || !room.is_limited() {
+                    break;
+                }
+                squeezes += 1;
+                // What costs little makes room for what matters more.
+                let allowed = errors.total;
+                let removed = thin_out(receivers, light, &Errors { allowed, ..errors }, false);
+                report.removed += removed;
+                if removed == 0 {
+                    break;
+                }
+                update(receivers, light, limit)?;
+                room.reopen();
+                continue;
+            };
             receivers
                 .par_iter_mut()
                 .for_each(|r| r.refine(light, least, errors.target));
@@ -209,6 +253,9 @@ pub fn refine(
             break;
         }
         update(receivers, light, limit)?;
+        if room.is_exceeded(receivers) {
+            update(receivers, light, limit)?;
+        }
     }
     report.evaluations = receivers.iter().map(Receiver::evaluations).sum();
     Ok(report)
@@ -262,6 +309,7 @@ pub fn refine_uniformly(
     error: f64,
     mean_besides: f64,
     spacing: &mut f64,
+    meter: &Meter,
     mut progress: impl FnMut(f64),
 ) -> Result<AdaptReport, MeshError> {
     let mut report = AdaptReport::default();
@@ -276,12 +324,14 @@ pub fn refine_uniformly(
         progress((errors.target / rms).min(1.0));
         let count = errors.squares.len() as f64;
         let most = MOST_UNIFORM as f64;
-        if errors.is_met() || count >= most {
+        let room = meter.most_elements() as f64;
+        meter.lacks_elements(!errors.is_met() && count * UNIFORM_GROWTH > room);
+        if errors.is_met() || count >= most || meter.reached().is_some() || meter.is_used_up() {
             break;
         }
         // Where the light is smooth the error falls with the square of the spacing.
         let step = (errors.target / rms).sqrt().clamp(0.5, LEAST_STEP);
-        *spacing *= step.max((count / most).sqrt());
+        *spacing *= step.max((count / most.min(room)).sqrt());
         let spacing = *spacing;
         receivers.par_iter_mut().for_each(|r| r.seed(spacing));
     }

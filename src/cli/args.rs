@@ -41,6 +41,9 @@ pub(super) struct SceneArgs {
     /// Relative RMS error of irradiance over the lit surfaces that you accept
     #[arg(long, default_value_t = 0.01, allow_negative_numbers = true)]
     pub(super) error: f64,
+    /// Stops at the best mesh within any of these, and says what error that is
+    #[arg(long, value_name = "elements=N,time=SECONDS,memory=MB")]
+    pub(super) budget: Option<String>,
     /// Length of one unit of an OBJ file
     #[arg(long, value_name = "m|cm|mm|in|ft")]
     pub(super) unit: Option<String>,

@@ -2,12 +2,13 @@
 
 use super::args::SceneArgs;
 use super::progress::Bar;
-use super::{memory, options, terminal};
+use super::{options, terminal};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
+use umbrage::budget::peak_bytes;
 use umbrage::io::write_atomically;
-use umbrage::pipeline::{Progress, Solution, Summary, World, light};
+use umbrage::pipeline::{Progress, Solution, Stage, Summary, World, light};
 use umbrage::radiosity::Bounces;
 use umbrage::settings::{Exposure, Settings};
 
@@ -15,8 +16,8 @@ use umbrage::settings::{Exposure, Settings};
 pub(super) struct Prepared {
     pub(super) world: World,
     pub(super) settings: Settings,
-    read_seconds: f64,
-    clean_seconds: f64,
+    /// Reading and cleaning.
+    stages: Vec<Stage>,
 }
 
 /// Reads and cleans the scene that the arguments name, and tells of its warnings.
@@ -24,10 +25,10 @@ pub(super) fn prepare(args: &SceneArgs, exposure: Exposure) -> anyhow::Result<Pr
     let settings = options::settings(args, exposure)?;
     let start = Instant::now();
     let raw = options::scene(args)?;
-    let read_seconds = start.elapsed().as_secs_f64();
+    let read = Stage::ended("read", start.elapsed().as_secs_f64());
     let start = Instant::now();
     let world = World::new(&raw, &settings)?;
-    let clean_seconds = start.elapsed().as_secs_f64();
+    let clean = Stage::ended("clean", start.elapsed().as_secs_f64());
     if !args.quiet {
         let texts: Vec<String> = world.warnings.iter().map(ToString::to_string).collect();
         terminal::warnings(&texts, args.verbose);
@@ -35,53 +36,32 @@ pub(super) fn prepare(args: &SceneArgs, exposure: Exposure) -> anyhow::Result<Pr
     Ok(Prepared {
         world,
         settings,
-        read_seconds,
-        clean_seconds,
+        stages: vec![read, clean],
     })
 }
 
-/// A lit scene, and the memory that was in use at the end of each stage.
+/// A lit scene.
 pub(super) struct Lit<'a> {
     pub(super) solution: Solution<'a>,
-    stage_peaks: Vec<(&'static str, u64)>,
 }
 
-/// Lights what was prepared.
+/// Lights what was prepared. Reading and cleaning have been paid for from the same budget.
 pub(super) fn solve<'a>(prepared: &'a Prepared, args: &SceneArgs) -> anyhow::Result<Lit<'a>> {
     let bar = Bar::new(args.quiet);
-    let mut stage_peaks = Vec::new();
-    let mut open: Option<&'static str> = None;
-    let mut close = |stage: Option<&'static str>| {
-        if let (Some(name), Some(bytes)) = (stage, memory::peak_bytes()) {
-            stage_peaks.push((name, bytes));
-        }
-    };
-    let progress: &mut Progress = &mut |name, done| {
-        if open != Some(name) {
-            close(open.replace(name));
-        }
-        bar.show(name, done);
-    };
-    let solved = light(&prepared.world, &prepared.settings, progress);
-    close(open);
+    let spent: f64 = prepared.stages.iter().map(|s| s.seconds).sum();
+    let mut settings = prepared.settings.clone();
+    settings.budget.seconds = settings.budget.seconds.map(|most| (most - spent).max(0.0));
+    let progress: &mut Progress = &mut |name, done| bar.show(name, done);
+    let solved = light(&prepared.world, &settings, progress);
     bar.finish();
     let mut solution = solved?;
-    let stages = &mut solution.summary.stages;
-    stages.splice(
-        0..0,
-        [
-            stage("read", prepared.read_seconds),
-            stage("clean", prepared.clean_seconds),
-        ],
-    );
-    Ok(Lit {
-        solution,
-        stage_peaks,
-    })
-}
-
-fn stage(name: &'static str, seconds: f64) -> umbrage::pipeline::Stage {
-    umbrage::pipeline::Stage { name, seconds }
+    let summary = &mut solution.summary;
+    summary.stages.splice(0..0, prepared.stages.clone());
+    if !args.quiet && summary.stopped_by.is_some() {
+        // It is the last one; the others have been told.
+        terminal::warnings(&summary.warnings[prepared.world.warnings.len()..], true);
+    }
+    Ok(Lit { solution })
 }
 
 impl Lit<'_> {
@@ -103,23 +83,12 @@ impl Lit<'_> {
             "scene": self.solution.world.scene.source,
             "settings": settings_json(args, settings),
             "outputs": outputs,
-            "peak_memory_bytes": memory::peak_bytes(),
-            "summary": self.summary_json()?,
+            "peak_memory_bytes": peak_bytes(),
+            "summary": self.summary(),
         });
         let mut bytes = serde_json::to_vec_pretty(&value)?;
         bytes.push(b'\n');
         Ok(write_atomically(path, &bytes)?)
-    }
-
-    /// The summary, each stage with the most memory in use up to its end.
-    fn summary_json(&self) -> serde_json::Result<Value> {
-        let mut value = serde_json::to_value(&self.solution.summary)?;
-        for stage in value["stages"].as_array_mut().into_iter().flatten() {
-            let peaks = self.stage_peaks.iter().rev();
-            let peak = peaks.clone().find(|p| stage["name"] == p.0).map(|p| p.1);
-            stage["peak_memory_bytes"] = json!(peak);
-        }
-        Ok(value)
     }
 
     /// What happened, for people.
@@ -139,6 +108,7 @@ fn settings_json(args: &SceneArgs, settings: &Settings) -> Value {
             Exposure::Auto => json!("auto"),
             Exposure::Ev(ev) => json!(ev),
         },
+        "budget": args.budget,
         "seed": settings.seed,
         "samples": settings.samples,
         "weld_distance_m": settings.clean.weld_distance,

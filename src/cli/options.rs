@@ -4,6 +4,7 @@ use super::args::SceneArgs;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use umbrage::bad_input::BadInput;
+use umbrage::budget::Budget;
 use umbrage::io::{ReadSettings, Unit, UpAxis, builtin, read_scene};
 use umbrage::radiosity::Bounces;
 use umbrage::scene::{CleanSettings, RawScene};
@@ -71,6 +72,10 @@ pub(super) fn settings(args: &SceneArgs, exposure: Exposure) -> Result<Settings,
     };
     Ok(Settings {
         error: args.error,
+        budget: match &args.budget {
+            Some(text) => text.parse()?,
+            None => Budget::default(),
+        },
         bounces,
         clean: CleanSettings {
             weld_distance: positive("--weld", args.weld)?,

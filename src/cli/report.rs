@@ -132,6 +132,7 @@ fn scenes(args: &ReportArgs) -> Result<(Vec<ReportScene>, Settings), BadInput> {
         error: ERRORS[0],
         unit: args.unit.clone(),
         up: args.up.clone(),
+        budget: None,
         bounces: args.bounces.clone(),
         threads: None,
         seed: 1,
@@ -188,7 +189,7 @@ fn measure(
     };
     let meter = MemoryMeter {
         reset: memory::reset_peak,
-        peak: memory::peak_bytes,
+        peak: umbrage::budget::peak_bytes,
     };
     let mut report = Report::default();
     for scene in scenes {

@@ -1,7 +1,8 @@
 //! The summary of a run as a table for people.
 
-use super::{memory, options};
+use super::options;
 use std::fmt::Write;
+use umbrage::budget::peak_bytes;
 use umbrage::pipeline::{Solution, Summary, World};
 use umbrage::render::LightUnit;
 use umbrage::report::LightStatistics;
@@ -93,13 +94,26 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
         .map(|t| format!("{} {:.2}", t.name, t.seconds))
         .collect();
     rows.add("time", format!("{total:.2} s: {}", stages.join(", ")));
-    if let Some(bytes) = memory::peak_bytes() {
-        rows.add("memory", format!("{} at most", options::size(bytes)));
+    if let Some(bytes) = peak_bytes() {
+        let most = options::size(bytes);
+        let stages: Vec<String> = s
+            .stages
+            .iter()
+            .filter_map(|t| Some((t.name, t.peak_memory_bytes?)))
+            .map(|(name, bytes)| format!("{name} {:.0}", bytes as f64 / 1e6))
+            .collect();
+        rows.add(
+            "memory",
+            format!(
+                "{most} at most; MB by the end of each: {}",
+                stages.join(", ")
+            ),
+        );
     }
     for l in &s.left_out {
         rows.add("left out", format!("{}: {}", l.what, l.why));
     }
-    rows.add("warnings", world.warnings.len().to_string());
+    rows.add("warnings", s.warnings.len().to_string());
     rows.text
 }
 

@@ -23,6 +23,7 @@ pub use summary::{LeftOut, Stage, Summary};
 
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
+use crate::budget::{Limit, Meter};
 use crate::direct::DirectLight;
 use crate::discontinuity::{FaceLines, LineTolerance, check_outlines, find_lines};
 use crate::lit_scene::LitScene;
@@ -68,11 +69,11 @@ const START_SPACING: f64 = 0.15;
 const DISPLAY_SHARE: f64 = 0.8;
 const FIELD_SHARE: f64 = 0.45;
 
-/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
 /// Share of the permitted error that the weakest emitters at a point may together be off by at most: they are looked at by
 /// single rays.
 const WEAK_SHARE: f64 = 0.2;
 
+/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
 const DIRECT_SHARE: f64 = 0.9;
 
 /// A part that exceeded its share is asked for so much more than its excess.
@@ -155,6 +156,7 @@ pub fn light<'a>(
     progress: &mut Progress,
 ) -> Result<Solution<'a>, LightError> {
     let mut summary = Summary::default();
+    let meter = Meter::new(settings.budget);
     let mut clock = Clock::new(progress);
     let scene = &world.scene;
     let direct = DirectLight::new(scene, &world.blockers);
@@ -175,9 +177,9 @@ pub fn light<'a>(
             .iter()
             .any(|&(f, _)| !scene.faces[f].reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
+    let mean_direct = guess_direct(scene, &direct, &sides, &is_lit);
     let mut mesher = Mesher {
         meshing: settings.meshing,
-    let mean_direct = guess_direct(scene, &direct, &sides, &is_lit);
         spacing: START_SPACING * scene.diagonal,
     };
     let rooms = Rooms {
@@ -215,15 +217,20 @@ pub fn light<'a>(
         DIRECT_SHARE
     };
     let target = settings.error * display_share;
+    let tolerance = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
     let before = Illumination {
         direct: &direct,
-    let tolerance = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
+        tolerance,
         indirect: None,
     };
-        tolerance,
-    summary.adapt = mesher.refine(&mut receivers, &before, target, mean_indirect, |f| {
-        clock.tick(f)
-    })?;
+    summary.adapt = mesher.refine(
+        &mut receivers,
+        &before,
+        target,
+        mean_indirect,
+        &meter,
+        |f| clock.tick(f),
+    )?;
 
     let mut indirect = None;
     if let Some(mesh) = solve_mesh {
@@ -263,9 +270,18 @@ pub fn light<'a>(
             let shown = Shown::new(&solution.receivers, field.mesh().faces.len());
             // The first correction is made while there are few values to correct.
             for step in 0..MAX_CORRECTIONS {
+                if meter.is_used_up() {
+                    break;
+                }
                 clock.start("gather", &mut summary);
                 let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
-                field.refine(coarser * target, |f| clock.tick(f))?;
+                field.refine(coarser * target, |f| {
+                    clock.tick(f);
+                    !meter.is_used_up()
+                })?;
+                if meter.is_used_up() {
+                    break;
+                }
                 clock.start("correct", &mut summary);
                 let corrected = field.correct(|_, f, p| shown.direct(f, p));
                 summary.corrections.push(corrected / mean);
@@ -280,24 +296,25 @@ pub fn light<'a>(
             clock.start("display mesh", &mut summary);
             let light = Illumination {
                 direct: &solution.direct,
+                tolerance,
                 indirect: solution.indirect.as_ref(),
             };
             let target = settings.error * display;
-            let report = mesher.refine(&mut solution.receivers, &light, target, 0.0, |f| {
-                clock.tick(f)
-            })?;
+            let receivers = &mut solution.receivers;
+            let report = mesher.refine(receivers, &light, target, 0.0, &meter, |f| clock.tick(f))?;
             summary.adapt.add(&report);
         }
         clock.start("measure", &mut summary);
         let measured = solution.measure(settings.samples, settings.seed + round as u64);
         summary.measured = measured;
         summary.rounds = round + 1;
-        if measured.relative_rms <= settings.error {
+        let is_met = measured.relative_rms <= settings.error;
+        summary.stopped_by = meter.reached().filter(|_| !is_met).map(Limit::name);
+        if is_met || summary.stopped_by.is_some() {
             break;
         }
         // What an estimate has missed is asked for on top, of that part which exceeds its share.
         let ask_more = |share: f64, found: f64, allowed: f64| {
-            tolerance,
             if found > allowed * settings.error {
                 share * (allowed * settings.error / found).max(0.25) * MISSED_MARGIN
             } else {
@@ -327,11 +344,12 @@ impl Mesher {
         light: &Illumination,
         error: f64,
         mean_besides: f64,
+        meter: &Meter,
         progress: impl FnMut(f64),
     ) -> Result<AdaptReport, MeshError> {
         match self.meshing {
             Meshing::Discontinuity | Meshing::Adaptive => {
-                adapt::refine(receivers, light, error, mean_besides, progress)
+                adapt::refine(receivers, light, error, mean_besides, meter, progress)
             }
             Meshing::Uniform => adapt::refine_uniformly(
                 receivers,
@@ -339,6 +357,7 @@ impl Mesher {
                 error,
                 mean_besides,
                 &mut self.spacing,
+                meter,
                 progress,
             ),
         }

@@ -3,19 +3,33 @@
 use super::lines::{line_counts, line_records};
 use super::{LineCount, Measured, Solution};
 use crate::adapt::AdaptReport;
+use crate::budget::peak_bytes;
 use crate::discontinuity::SearchReport;
 use crate::radiosity::{Bounces, SolveReport};
 use crate::scene::{CleanReport, FaceId, FaceSide};
 use crate::settings::Settings;
 use serde_json::{Value, json};
 
-/// Wall-clock time of one stage.
+/// Wall-clock time and memory of one stage.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Stage {
     /// Its name.
     pub name: &'static str,
     /// Seconds, all visits together.
     pub seconds: f64,
+    /// The most memory that was resident up to its end, bytes; none where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+impl Stage {
+    /// A stage that ends now after `seconds`.
+    pub fn ended(name: &'static str, seconds: f64) -> Self {
+        Self {
+            name,
+            seconds,
+            peak_memory_bytes: peak_bytes(),
+        }
+    }
 }
 
 /// What was not done because the scene does not need it.
@@ -65,6 +79,8 @@ pub struct Summary {
     pub error_estimated: f64,
     /// Error measured.
     pub measured: Measured,
+    /// Which limit of the budget kept the error above the one asked for: `elements`, `time` or `memory`.
+    pub stopped_by: Option<&'static str>,
     /// Rounds of refine and measure.
     pub rounds: usize,
     /// Stages in order.
@@ -79,8 +95,11 @@ impl Summary {
     /// Adds `seconds` to a stage.
     pub fn add_time(&mut self, name: &'static str, seconds: f64) {
         match self.stages.iter_mut().find(|s| s.name == name) {
-            Some(s) => s.seconds += seconds,
-            None => self.stages.push(Stage { name, seconds }),
+            Some(s) => {
+                s.seconds += seconds;
+                s.peak_memory_bytes = peak_bytes();
+            }
+            None => self.stages.push(Stage::ended(name, seconds)),
         }
     }
 
@@ -93,7 +112,9 @@ impl Summary {
         let world = solution.world;
         let receivers = &solution.receivers;
         self.clean = world.clean.clone();
+        self.error_asked = solution.settings.error;
         self.warnings = world.warnings.iter().map(ToString::to_string).collect();
+        self.warnings.extend(self.shortfall(&world.scene.source));
         self.sides = sides.len();
         self.lit_sides = is_lit.iter().filter(|l| **l).count();
         self.lit_area_m2 = receivers
@@ -107,7 +128,6 @@ impl Summary {
         self.contacts = receivers.iter().map(|r| r.lines.contacts.len()).sum();
         self.gathers = solution.indirect.as_ref().map_or(0, |f| f.gathers());
         self.line_counts = line_counts(solution);
-        self.error_asked = solution.settings.error;
         let mean = self.measured.mean;
         self.error_estimated = if mean > 0.0 {
             self.adapt.estimated_rms / mean
@@ -115,6 +135,15 @@ impl Summary {
             0.0
         };
         self.left_out(solution);
+    }
+
+    /// What the budget has cost, in words.
+    fn shortfall(&self, source: &str) -> Option<String> {
+        let limit = self.stopped_by?;
+        let [asked, found] = [self.error_asked, self.measured.relative_rms].map(|e| 100.0 * e);
+        Some(format!(
+            "{source}: the budget ({limit}) was used up: the error is {found:.2} %, {asked:.2} % was asked for"
+        ))
     }
 
     fn left_out(&mut self, solution: &Solution) {

@@ -193,11 +193,16 @@ impl<'a> IndirectField<'a> {
         (field, report)
     }
 
-    /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²).
+    /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²), or until `progress`
+    /// says that it has to stop.
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
-    pub fn refine(&mut self, target: f64, mut progress: impl FnMut(f64)) -> Result<(), MeshError> {
+    pub fn refine(
+        &mut self,
+        target: f64,
+        mut progress: impl FnMut(f64) -> bool,
+    ) -> Result<(), MeshError> {
         let area = self.area();
         let allowed = target * target * area;
         for _ in 0..MAX_ROUNDS {
@@ -205,8 +210,8 @@ impl<'a> IndirectField<'a> {
             squares.sort_unstable_by(f64::total_cmp);
             let total: f64 = squares.iter().sum();
             self.estimated_rms = (total / area).sqrt();
-            progress((target / self.estimated_rms).min(1.0));
-            if total <= allowed {
+            let goes_on = progress((target / self.estimated_rms).min(1.0));
+            if total <= allowed || !goes_on {
                 break;
             }
             let mut unmarked = 0.0;

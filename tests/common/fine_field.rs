@@ -65,7 +65,7 @@ impl<'a> FineField<'a> {
         let (mut field, _) = IndirectField::solve(mesh, blockers, request, direct);
         for _ in 0..CORRECTIONS {
             field
-                .refine(3.0 * error, |_| ())
+                .refine(3.0 * error, |_| true)
                 .expect("the faces can be meshed");
             field.correct(direct);
         }

@@ -11,7 +11,7 @@ const RANKS: [&[&str]; 19] = [
     &["scene"],
     &["visibility"],
     &["direct"],
-    &["discontinuity"],
+    &["discontinuity", "form_factor"],
     &["mesh"],
     &["radiosity"],
     &["adapt"],

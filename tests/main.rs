@@ -5,6 +5,7 @@
 //! - `bounced`: bounced light is what a path tracer finds.
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
 //! - `elements`: what the lines are worth.
+//! - `form_factors`: of polygons and scenes, where they are known.
 //! - `furnace`: closed rooms lose no light.
 //! - `golden`: pictures of lit fixtures stay what they are.
 //! - `honest`: the error asked for is the error found.
@@ -23,6 +24,7 @@ mod cli;
 mod conform;
 mod elements;
 mod exact;
+mod form_factors;
 mod furnace;
 mod golden;
 mod honest;

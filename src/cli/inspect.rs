@@ -8,8 +8,10 @@ use clap::Args as ClapArgs;
 use std::path::{Path, PathBuf};
 use umbrage::bad_input::BadInput;
 use umbrage::discontinuity::DiscontinuityOrder;
+use umbrage::form_factor::FormFactors;
 use umbrage::io::{
-    LineSet, candidates_csv, face_svg, lines_csv, read_lit, write_atomically, write_lines_glb,
+    LineSet, candidates_csv, face_svg, form_factors_csv, lines_csv, read_lit, write_atomically,
+    write_lines_glb,
 };
 use umbrage::pipeline::{EdgeRole, Solution, line_records, mesh_edges};
 use umbrage::quantity::WHITE_EFFICACY;
@@ -31,6 +33,9 @@ pub(super) struct InspectArgs {
     /// Element edges over faint faces, discontinuities coloured by order
     #[arg(long, value_name = "FILE.glb")]
     mesh: Option<PathBuf>,
+    /// Form factors between all sides of faces, one pair a row, as exact as --error; for scenes of up to some hundred faces
+    #[arg(long, value_name = "FILE.csv")]
+    form_factors: Option<PathBuf>,
     /// A page to look around in with any browser: the light, its error, the lines and what makes them.
     /// LIT.glb instead of a scene shows the light that the file holds
     #[arg(long, value_name = "OUT.html")]
@@ -82,6 +87,7 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         &args.lines,
         &args.candidates,
         &args.mesh,
+        &args.form_factors,
         &args.html,
         &args.svg,
     ]
@@ -122,6 +128,11 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     }
     if let Some(path) = &args.mesh {
         files.push((path, mesh_glb(solution)));
+    }
+    if let Some(path) = &args.form_factors {
+        let world = &prepared.world;
+        let factors = FormFactors::new(&world.scene, &world.blockers, prepared.settings.error);
+        files.push((path, form_factors_csv(&factors).into_bytes()));
     }
     if let Some(path) = &args.html {
         let page = Page::of_solution(solution, Some(args.efficacy))?;
@@ -179,7 +190,13 @@ fn lit_model(args: &InspectArgs) -> Result<Option<LitModel>, BadInput> {
 
 /// A page of a lit file, which holds nothing else of what `inspect` can tell.
 fn inspect_lit(args: &InspectArgs, lit: &Path, model: &LitModel) -> anyhow::Result<Outcome> {
-    let others = [&args.lines, &args.candidates, &args.mesh, &args.svg];
+    let others = [
+        &args.lines,
+        &args.candidates,
+        &args.mesh,
+        &args.form_factors,
+        &args.svg,
+    ];
     if others.iter().any(|o| o.is_some()) || args.scene.json.is_some() {
         return Err(BadInput::new(
             lit.display().to_string(),

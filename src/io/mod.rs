@@ -7,6 +7,7 @@
 mod atomic;
 pub mod builtin;
 mod face_svg;
+mod factor_table;
 mod glb;
 mod gltf_data;
 mod gltf_lines;
@@ -21,6 +22,7 @@ mod units;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use face_svg::face_svg;
+pub use factor_table::form_factors_csv;
 pub use gltf_lines::{LineSet, write_lines_glb};
 pub use gltf_write::write_glb;
 pub use line_table::{candidates_csv, cause_name, lines_csv};

@@ -1,6 +1,7 @@
 //! Every command on good input.
 
-use super::{Folder, small};
+use super::{Folder, shown, small};
+use crate::common::scenes::fixture;
 use serde_json::Value;
 
 #[test]
@@ -299,4 +300,32 @@ fn statistics_of_a_face_are_those_of_its_light() {
     ));
     assert!(lux.out.contains("lx, at 683 lm/W"), "{}", lux.out);
     folder.refused(&format!("inspect {scene} --face floor"), "--statistics");
+}
+
+#[test]
+fn inspect_writes_the_form_factors_of_a_closed_room() {
+    let folder = Folder::new();
+    let room = shown(&fixture("furnace-box-r50"));
+    folder.done(&format!("inspect {room} --error 0.1 --form-factors f.csv"));
+    let text = folder.text("f.csv");
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("from,from_side,to,to_side,form_factor,error")
+    );
+    let (mut pairs, mut sums) = (0, 0);
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let factor: f64 = cells[4].parse().expect("a number");
+        if cells[2].is_empty() {
+            let expected = if cells[1] == "front" { 1.0 } else { 0.0 };
+            assert!((factor - expected).abs() < 1e-12, "{line}");
+            sums += 1;
+        } else {
+            assert!(factor > 0.0 && factor < 1.0, "{line}");
+            pairs += 1;
+        }
+    }
+    // Six fronts see each other; the backs are there, too.
+    assert_eq!((pairs, sums), (30, 12));
 }

@@ -49,6 +49,8 @@ pub struct LitMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Irradiance at each vertex, W/m².
     pub irradiance: Vec<Irradiance>,
+    /// Estimated error of the irradiance at each vertex, W/m²; empty unless it was asked for.
+    pub errors: Vec<f64>,
     /// What this side emits, W/m².
     pub exitance: Exitance,
 }

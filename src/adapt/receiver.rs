@@ -219,6 +219,25 @@ impl Receiver {
         self.direct[s] + self.indirect[s]
     }
 
+    /// Estimated RMS error of the interpolation over the elements around each site, W/m²; nothing where no light is.
+    pub fn interpolation_errors(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.mesh.site_vertices.len()];
+        for (e, error) in self.errors.iter().enumerate() {
+            for &s in &self.mesh.sites[e] {
+                let sum = &mut sums[s as usize];
+                *sum = (sum.0 + error.square, sum.1 + self.mesh.area(e));
+            }
+        }
+        let root = |&(square, area): &(f64, f64)| {
+            if area > 0.0 {
+                (square / area).sqrt()
+            } else {
+                0.0
+            }
+        };
+        sums.iter().map(root).collect()
+    }
+
     /// Linear interpolation over element `e` at barycentric coordinates `weights`: what a viewer will show, W/m².
     pub fn shown(&self, e: usize, weights: [f64; 3]) -> Irradiance {
         let [a, b, c] = self.mesh.sites[e].map(|s| self.site_total(s as usize));

@@ -31,6 +31,9 @@ pub(super) struct BakeArgs {
         allow_hyphen_values = true
     )]
     exposure: String,
+    /// Also the estimated error at every vertex, W/m²: the attribute _ERROR of the glTF
+    #[arg(long)]
+    error_attribute: bool,
 }
 
 pub(super) fn run(args: &BakeArgs) -> anyhow::Result<Outcome> {
@@ -123,6 +126,12 @@ fn bake_one(args: &BakeArgs, scene: &SceneArgs, output: &Path) -> anyhow::Result
 
     let prepared = lighting::prepare(scene, options::exposure(&args.exposure)?)?;
     let mut lit = lighting::solve(&prepared, scene)?;
+    if args.error_attribute {
+        let start = Instant::now();
+        lit.solution.estimate_error();
+        let seconds = start.elapsed().as_secs_f64();
+        lit.solution.summary.add_time("estimate", seconds);
+    }
     let start = Instant::now();
     let glb = write_glb(&lit.solution.lit_scene());
     let seconds = start.elapsed().as_secs_f64();

@@ -87,6 +87,19 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
             significant(m.mean)
         ),
     );
+    if let Some(e) = &s.error_at_vertices {
+        rows.add(
+            "at vertices",
+            format!(
+                "estimated {} rms and {} max: solution {}, indirect field {}, display mesh {}",
+                percent(e.relative_rms),
+                percent(e.relative_max),
+                percent(e.relative_rms_solution),
+                percent(e.relative_rms_field),
+                percent(e.relative_rms_mesh)
+            ),
+        );
+    }
     let total: f64 = s.stages.iter().map(|t| t.seconds).sum();
     let stages: Vec<String> = s
         .stages

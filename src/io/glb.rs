@@ -194,6 +194,23 @@ impl GlbBuilder {
         self.accessor(view, values.len(), ComponentType::F32, Type::Vec3, min, max)
     }
 
+    /// One number for each vertex.
+    pub(super) fn scalars(&mut self, values: &[f32]) -> gj::Index<gj::Accessor> {
+        let start = self.buffer.len();
+        for value in values {
+            self.buffer.extend_from_slice(&value.to_le_bytes());
+        }
+        let view = self.view(start, Some(gj::buffer::Target::ArrayBuffer));
+        self.accessor(
+            view,
+            values.len(),
+            ComponentType::F32,
+            Type::Scalar,
+            None,
+            None,
+        )
+    }
+
     /// Indices in the narrowest type that every viewer reads: 16 bits where they suffice.
     pub(super) fn indices(&mut self, values: &[u32], vertices: usize) -> gj::Index<gj::Accessor> {
         let start = self.buffer.len();

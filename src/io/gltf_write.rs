@@ -9,7 +9,7 @@
 //! | a side that emits | white | `(M + ρ E) / π × exposure` |
 //!
 //! both clamped to 0…1, since glTF allows no more. `_RADIOSITY` holds `M + ρ E` in W/m², unclamped; where there is a texture,
-//! with its mean over the face for ρ. Pictures keep the bytes they came in. The primitives of sides
+//! with its mean over the face for ρ. `_ERROR`, where it was asked for, holds the estimated error of E in W/m². Pictures keep the bytes they came in. The primitives of sides
 //! that emit say `exitance` (M, W/m²) and `reflectance` in their extras.
 //!
 //! `COLOR_0` is linear, and float: 8 bits would band in the darks; 16 bits need a fourth component to stay aligned, save a
@@ -157,6 +157,7 @@ fn write_primitive(
 ) -> gj::mesh::Primitive {
     let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     let (mut colours, mut radiosities, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    let mut errors: Vec<f32> = Vec::new();
     for mesh in meshes {
         let first =
             u32::try_from(positions.len()).expect("a glTF mesh has fewer than 2³² vertices");
@@ -175,6 +176,7 @@ fn write_primitive(
         if look == Look::Textured {
             uvs.extend(mesh.uvs.iter().map(|uv| uv.as_vec2().to_array()));
         }
+        errors.extend(mesh.errors.iter().map(|&e| (e as f32).min(f32::MAX)));
         indices.extend(mesh.triangles.as_flattened().iter().map(|i| first + i));
     }
     let mut attributes = BTreeMap::from([
@@ -188,6 +190,10 @@ fn write_primitive(
     ]);
     if look == Look::Textured {
         attributes.insert(Valid(Semantic::TexCoords(0)), glb.pairs(&uvs));
+    }
+    if errors.len() == positions.len() {
+        let name = Semantic::Extras(String::from("ERROR"));
+        attributes.insert(Valid(name), glb.scalars(&errors));
     }
     gj::mesh::Primitive {
         attributes,

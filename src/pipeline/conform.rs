@@ -20,11 +20,15 @@ type Stations = IdVec<EdgeId, Vec<f64>>;
 pub(super) fn lit_meshes(solution: &Solution) -> Vec<LitMesh> {
     let scene = &solution.world.scene;
     let stations = stations(scene, &solution.receivers);
-    let shown = solution.receivers.iter();
-    let shown = shown.filter(|r| !r.mesh.elements.is_empty());
+    let shown = solution.receivers.iter().enumerate();
+    let shown = shown.filter(|(_, r)| !r.mesh.elements.is_empty());
     let (mut meshes, mut seams) = (Vec::new(), Vec::new());
-    for r in shown {
-        let (mesh, touches) = Builder::new(solution, &stations, r).build();
+    for (i, r) in shown {
+        let mut builder = Builder::new(solution, &stations, r);
+        if let Some(errors) = &solution.site_errors {
+            builder.out.errors.clone_from(&errors[i]);
+        }
+        let (mesh, touches) = builder.build();
         let index = meshes.len();
         seams.extend(touches.into_iter().map(|(key, v)| (key, (index, v))));
         meshes.push(mesh);
@@ -224,6 +228,13 @@ impl<'a> Builder<'a> {
         );
         self.out.positions.push(position);
         self.out.irradiance.push(value);
+        if !self.out.errors.is_empty() {
+            // Between two vertices of the element's border its corners tell.
+            let corners = r.mesh.sites[e].map(|s| self.out.errors[s as usize]);
+            let weights = barycentric(r.mesh.corners(e), p);
+            let error: f64 = corners.iter().zip(weights).map(|(c, w)| c * w).sum();
+            self.out.errors.push(error.max(0.0));
+        }
         self.plane.push(p);
         (self.out.positions.len() - 1) as Corner
     }

@@ -2,6 +2,7 @@
 
 mod conform;
 mod convergence;
+mod estimate;
 mod exposure;
 mod indirect;
 mod lines;
@@ -15,6 +16,7 @@ mod summary;
 pub use convergence::{
     ConvergenceRow, convergence, convergence_csv, convergence_slope, meshing_name,
 };
+pub use estimate::ErrorEstimate;
 pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
 pub use mesh_edges::{EdgeRole, MeshEdge, mesh_edges};
@@ -143,6 +145,8 @@ pub struct Solution<'a> {
     pub indirect: Option<IndirectField<'a>>,
     /// Counts, times, errors.
     pub summary: Summary,
+    /// Estimated error at the sites of each receiver, W/m², once it was asked for.
+    site_errors: Option<Vec<Vec<f64>>>,
     settings: Settings,
 }
 
@@ -258,6 +262,7 @@ pub fn light<'a>(
         receivers,
         indirect,
         summary: Summary::default(),
+        site_errors: None,
         settings: settings.clone(),
     };
     let mean = mean_of(&solution.receivers) + mean_indirect;
@@ -388,6 +393,13 @@ impl Solution<'_> {
     /// Compares what the mesh shows with what is there, at stratified random points of the lit surfaces.
     pub fn measure(&self, samples: u32, seed: u64) -> Measured {
         measure::measure(self, samples, seed)
+    }
+
+    /// Estimates the error at every vertex, for [`Solution::lit_scene`] and the summary.
+    pub fn estimate_error(&mut self) {
+        let (sites, figures) = estimate::estimate(self);
+        self.site_errors = Some(sites);
+        self.summary.error_at_vertices = Some(figures);
     }
 
     /// The meshes with their light, neighbours sharing their vertices, ready to be written.

@@ -1,7 +1,7 @@
 //! Counts, times and errors of one run, for people and machines.
 
 use super::lines::{line_counts, line_records};
-use super::{LineCount, Measured, Solution};
+use super::{ErrorEstimate, LineCount, Measured, Solution};
 use crate::adapt::AdaptReport;
 use crate::budget::peak_bytes;
 use crate::discontinuity::SearchReport;
@@ -77,6 +77,8 @@ pub struct Summary {
     pub error_asked: f64,
     /// Estimated interpolation error, relative.
     pub error_estimated: f64,
+    /// Estimated error at the vertices, where it was asked for.
+    pub error_at_vertices: Option<ErrorEstimate>,
     /// Error measured.
     pub measured: Measured,
     /// Which limit of the budget kept the error above the one asked for: `elements`, `time` or `memory`.

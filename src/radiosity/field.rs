@@ -8,6 +8,10 @@
 //! What the finer field reflects differs from what the solution had assumed. That difference is the residual of the
 //! solution; gathered in its turn it is both an estimate of the solution's error and its correction.
 
+mod estimate;
+
+pub use estimate::SolutionError;
+
 use super::cells::{FaceCells, FaceLight, follow_all};
 use super::field_face::FieldFace;
 use super::gather::Oracle;
@@ -136,6 +140,29 @@ impl Coarse<'_> {
     }
 }
 
+/// The light of the cells when `arriving` (W/m²) reaches them, and what it has over `old`.
+fn residual(
+    mesh: &SolveMesh,
+    trees: &mut [FaceCells],
+    old: &[FaceLight],
+    error: f64,
+    arriving: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
+) -> (Vec<FaceLight>, Vec<FaceLight>) {
+    let limit = FOLLOW_SHARE * error;
+    let smallest = SMALLEST_SHARE * mesh.spacing;
+    let new = follow_all(trees, &mesh.faces, limit, smallest, |f, p| {
+        let face = &mesh.faces[f];
+        Radiosity(face.reflectance * arriving(face, f, p).0)
+    });
+    let residual = new
+        .iter()
+        .zip(old)
+        .zip(trees)
+        .map(|((new, old), tree)| new.minus(old, tree))
+        .collect();
+    (new, residual)
+}
+
 impl<'a> IndirectField<'a> {
     /// Solves for the indirect light on `mesh`, given the direct light at every point of its faces (`direct(face, its index, point)`,
     /// frame coordinates, W/m²).
@@ -259,20 +286,14 @@ impl<'a> IndirectField<'a> {
             return 0.0;
         }
         let solution = &mut self.solution;
-        let faces = &self.faces;
         let mesh = &solution.mesh;
-        let limit = FOLLOW_SHARE * self.request.error;
-        let smallest = SMALLEST_SHARE * mesh.spacing;
-        let new = follow_all(&mut solution.trees, &mesh.faces, limit, smallest, |f, p| {
-            let face = &mesh.faces[f];
-            Radiosity(face.reflectance * (direct(face, f, p) + faces[f].at(p)).0)
-        });
-        let residual: Vec<FaceLight> = new
-            .iter()
-            .zip(&solution.light)
-            .zip(&solution.trees)
-            .map(|((new, old), tree)| new.minus(old, tree))
-            .collect();
+        let (new, residual) = residual(
+            mesh,
+            &mut solution.trees,
+            &solution.light,
+            self.request.error,
+            |face, f, p| direct(face, f, p) + self.faces[f].at(p),
+        );
         // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
         let once = self.transport.gather_all(&residual);
         let mut coarse = residual.clone();

@@ -137,6 +137,15 @@ impl FieldFace {
         self.mesh.area(e) * square.max(centre)
     }
 
+    /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².
+    pub(super) fn error_at(&self, p: DVec2) -> f64 {
+        match self.locator.locate(&self.mesh, p) {
+            Some(_) if self.is_uniform => (self.errors()[0] / self.area()).sqrt(),
+            Some((e, _)) => (self.error(e) / self.mesh.area(e)).sqrt(),
+            None => 0.0,
+        }
+    }
+
     /// Spends gathers on everything whose error is at least `limit`; returns how many.
     pub(super) fn buy(
         &mut self,

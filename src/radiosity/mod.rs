@@ -21,7 +21,7 @@ mod reach;
 mod solve;
 mod solve_mesh;
 
-pub use field::{IndirectField, Request};
+pub use field::{IndirectField, Request, SolutionError};
 pub use gather::Gatherer;
 pub use locator::Locator;
 pub use reach::reached;

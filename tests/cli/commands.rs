@@ -329,3 +329,58 @@ fn inspect_writes_the_form_factors_of_a_closed_room() {
     // Six fronts see each other; the backs are there, too.
     assert_eq!((pairs, sums), (30, 12));
 }
+
+#[test]
+fn the_error_attribute_says_how_far_each_vertex_is_off() {
+    let folder = Folder::new();
+    let room = shown(&fixture("box-on-table"));
+    let run = folder.done(&format!(
+        "bake {room} -o a.glb --error 0.05 --error-attribute --json a.json"
+    ));
+    assert!(run.out.contains("at vertices"), "{}", run.out);
+    let json: Value = serde_json::from_str(&folder.text("a.json")).expect("JSON");
+    let figures = &json["summary"]["error_at_vertices"];
+    let figure = |name: &str| figures[name].as_f64().expect("a number");
+    // An estimate of what was measured to be within the error asked for.
+    let rms = figure("relative_rms");
+    assert!(rms > 0.005 && rms < 0.1, "{figures}");
+    let parts = ["solution", "field", "mesh"].map(|p| figure(&format!("relative_rms_{p}")));
+    let together = parts.iter().map(|p| p * p).sum::<f64>().sqrt();
+    assert!((together / rms - 1.0).abs() < 1e-6, "{figures}");
+
+    let file = gltf::Gltf::from_slice(&folder.read("a.glb")).expect("a valid file");
+    let buffer = file.blob.as_deref().expect("a binary part");
+    let mean = json["summary"]["measured"]["mean"]
+        .as_f64()
+        .expect("a number");
+    let mut largest = 0.0_f32;
+    for primitive in file.document.meshes().flat_map(|m| m.primitives()) {
+        let name = gltf::Semantic::Extras("ERROR".to_owned());
+        let errors = primitive.get(&name).expect("every primitive has it");
+        let positions = primitive
+            .get(&gltf::Semantic::Positions)
+            .expect("positions");
+        assert_eq!(errors.count(), positions.count());
+        let view = errors.view().expect("not sparse");
+        let start = view.offset() + errors.offset();
+        let bytes = &buffer[start..start + 4 * errors.count()];
+        for number in bytes.chunks_exact(4) {
+            let error = f32::from_le_bytes([number[0], number[1], number[2], number[3]]);
+            assert!(error.is_finite() && error >= 0.0, "{error}");
+            largest = largest.max(error);
+        }
+    }
+    let told = figure("relative_max") * mean;
+    assert!(
+        (f64::from(largest) / told - 1.0).abs() < 1e-5,
+        "{largest} and {told}"
+    );
+    // Without the option nothing of it is there.
+    folder.done(&format!("bake {room} -o b.glb --error 0.05 --json b.json"));
+    assert!(
+        folder
+            .text("b.json")
+            .contains("\"error_at_vertices\": null")
+    );
+    assert!(!folder.read("b.glb").windows(6).any(|w| w == b"_ERROR"));
+}

@@ -4,26 +4,32 @@
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
 //! - `bounced`: bounced light is what a path tracer finds.
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
+//! - `corners`: the light between two walls, where it is known.
 //! - `elements`: what the lines are worth.
 //! - `form_factors`: of polygons and scenes, where they are known.
+//! - `extremes`: stiff scenes and extreme ones.
 //! - `furnace`: closed rooms lose no light.
 //! - `golden`: pictures of lit fixtures stay what they are.
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
+//! - `manufactured`: a solution that was chosen is found, and how fast.
 //! - `metamorphic`: what must not change when the scene is turned, moved, scaled or reordered.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 //! - `robust`: broken files are read, or refused in one line.
 //! - `smooth`: facets of a curved surface are lit as the surface is, and do not show.
 //! - `textures`: what light sees of textures, and what the lit file holds of them.
+//! - `traced`: bakes against a path tracer, as an error over all surfaces.
 
 mod common;
 
 mod bounced;
 mod cli;
 mod conform;
+mod corners;
 mod elements;
 mod exact;
+mod extremes;
 mod form_factors;
 mod furnace;
 mod golden;
@@ -31,8 +37,10 @@ mod honest;
 mod kinks;
 mod layering;
 mod lines;
+mod manufactured;
 mod metamorphic;
 mod references;
 mod robust;
 mod smooth;
 mod textures;
+mod traced;

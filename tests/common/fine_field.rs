@@ -21,6 +21,15 @@ pub(crate) struct FineField<'a> {
 impl<'a> FineField<'a> {
     /// Solves on about `elements` elements over the same sides as `solution`; `None` when that has no indirect light.
     pub(crate) fn new(solution: &Solution<'a>, elements: f64) -> Option<Self> {
+        Self::to_error(solution, elements, FINE_ERROR)
+    }
+
+    /// The same to an error of one's own, relative to the mean irradiance.
+    pub(crate) fn to_error(
+        solution: &Solution<'a>,
+        elements: f64,
+        relative_error: f64,
+    ) -> Option<Self> {
         let scene = &solution.world.scene;
         let coarse = solution.indirect.as_ref()?;
         let area: f64 = coarse
@@ -53,7 +62,7 @@ impl<'a> FineField<'a> {
                 .direct
                 .irradiance(&face.view(p), &mut Scratch::default())
         };
-        let error = FINE_ERROR * solution.summary.measured.mean;
+        let error = relative_error * solution.summary.measured.mean;
         let request = Request {
             error,
             ambient: coarse.mean(),

@@ -1,6 +1,6 @@
 //! The library's own world of a test scene, and the same scene for the references.
 
-use super::obj_lite::ObjMesh;
+use super::obj_lite::{ObjMesh, Polygon, Surface};
 use super::rng::Rng;
 use super::scenes::{fixture, fixtures, read_fixture};
 use glam::{DVec2, DVec3};
@@ -66,6 +66,26 @@ pub(crate) fn world_of_mesh(name: &str, mesh: &ObjMesh) -> World {
         });
     }
     world_of_raw(&raw)
+}
+
+/// The triangles of a cleaned scene in its local coordinates, for references that trace rays.
+pub(crate) fn mesh_of_scene(scene: &Scene) -> ObjMesh {
+    let mut mesh = ObjMesh::default();
+    for (_, face) in scene.faces.iter() {
+        mesh.surfaces.push(Surface {
+            name: String::new(),
+            kd: face.reflectance.0,
+            ke: face.emission.0.0,
+        });
+        for t in &face.triangles {
+            mesh.polygons.push(Polygon {
+                corners: t.map(|v| scene.vertices[v]).to_vec(),
+                surface: mesh.surfaces.len() - 1,
+                object: String::new(),
+            });
+        }
+    }
+    mesh
 }
 
 /// The polygons of a scene of our own in the local coordinates of its world.

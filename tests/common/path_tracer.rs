@@ -95,10 +95,19 @@ impl PathTracer {
 
     /// Irradiance at `x` on a surface with unit normal `n`.
     pub(crate) fn irradiance(&self, x: DVec3, n: DVec3, settings: &PathSettings) -> Estimate {
+        self.estimate(x, n, settings, true)
+    }
+
+    /// The part of it that has been reflected at least once.
+    pub(crate) fn indirect(&self, x: DVec3, n: DVec3, settings: &PathSettings) -> Estimate {
+        self.estimate(x, n, settings, false)
+    }
+
+    fn estimate(&self, x: DVec3, n: DVec3, settings: &PathSettings, direct: bool) -> Estimate {
         let mut rng = Rng::new(settings.seed);
         let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
         for _ in 0..settings.paths {
-            let sample = self.path(x, n, settings, &mut rng);
+            let sample = self.path(x, n, settings, direct, &mut rng);
             sum += sample;
             squares += sample * sample;
         }
@@ -111,14 +120,22 @@ impl PathTracer {
         }
     }
 
-    /// One sample of the irradiance.
-    fn path(&self, x: DVec3, n: DVec3, settings: &PathSettings, rng: &mut Rng) -> DVec3 {
+    /// One sample of the irradiance, with or without what comes straight from the emitters.
+    fn path(
+        &self,
+        x: DVec3,
+        n: DVec3,
+        settings: &PathSettings,
+        direct: bool,
+        rng: &mut Rng,
+    ) -> DVec3 {
         let (mut x, mut n) = (x, n);
         let mut irradiance = DVec3::ZERO;
         // What one unit of irradiance at the path's end adds at its start.
         let mut weight = DVec3::ONE;
         for bounce in 0..=settings.bounces {
-            if settings.from_emitters {
+            let counts = direct || bounce > 0;
+            if settings.from_emitters && counts {
                 irradiance += weight * self.light_of_an_emitter(x, n, rng);
             }
             if bounce == settings.bounces && settings.from_emitters {
@@ -130,7 +147,7 @@ impl PathTracer {
                 break;
             };
             let surface = &self.triangles[hit.triangle];
-            if hit.is_front && !settings.from_emitters {
+            if hit.is_front && !settings.from_emitters && counts {
                 irradiance += weight * surface.ke * PI;
             }
             weight *= surface.kd;

@@ -10,6 +10,9 @@ use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
 
+/// Up to so many emitters are always cut exactly: that is soon done, and leaves no step where a ray begins to miss.
+const FEW: usize = 32;
+
 /// So many emitters are kept track of without allocating.
 const USUAL: usize = 32;
 
@@ -23,15 +26,15 @@ struct Prospect<'e> {
 }
 
 impl DirectLight<'_> {
-    /// Irradiance at `view` straight from all emitters, W/m², off by no more than `tolerance` (W/m², mean of the channels):
-    /// [`DirectLight::irradiance`] at zero.
+    /// Irradiance at `view` straight from all emitters, W/m², where they are many off by no more than `tolerance` (W/m², mean
+    /// of the channels). Few are cut exactly, as by [`DirectLight::irradiance`].
     pub fn irradiance_within(
         &self,
         view: &Viewpoint,
         tolerance: f64,
         scratch: &mut Scratch,
     ) -> Irradiance {
-        if tolerance <= 0.0 {
+        if tolerance <= 0.0 || self.polygons.len() <= FEW {
             return self.irradiance(view, scratch);
         }
         let prospects = self.prospects(view, scratch);
@@ -40,10 +43,8 @@ impl DirectLight<'_> {
         for p in &prospects {
             let factor = if p.light > weak {
                 visible_factor(p.polygon, self.blockers, view, scratch)
-            } else if self.sees_middle(p.polygon, view) {
-                p.factor
             } else {
-                0.0
+                self.factor_by_ray(p, view)
             };
             sum += Irradiance(p.polygon.exitance.0 * factor.max(0.0));
         }
@@ -52,7 +53,11 @@ impl DirectLight<'_> {
 
     /// Roughly the irradiance at `view`, W/m²: each emitter is seen wholly or not, as one ray to its middle tells.
     pub fn by_rays(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
-        self.irradiance_within(view, f64::INFINITY, scratch)
+        let mut sum = Irradiance::ZERO;
+        for p in self.prospects(view, scratch) {
+            sum += Irradiance(p.polygon.exitance.0 * self.factor_by_ray(&p, view));
+        }
+        sum
     }
 
     /// The emitters that `view` would see if nothing hid them.
@@ -72,9 +77,14 @@ impl DirectLight<'_> {
         all.filter(|p| p.light > 0.0).collect()
     }
 
-    fn sees_middle(&self, polygon: &EmitterPolygon, view: &Viewpoint) -> bool {
+    fn factor_by_ray(&self, prospect: &Prospect, view: &Viewpoint) -> f64 {
+        let polygon = prospect.polygon;
         let middle = polygon.corners.iter().sum::<DVec3>() / polygon.corners.len() as f64;
-        self.blockers.sees(view, middle, polygon.face)
+        if self.blockers.sees(view, middle, polygon.face) {
+            prospect.factor
+        } else {
+            0.0
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! - `kinks`: the lines on the receivers, held against the breaks of the light.
 //! - `cli`: the program as a user runs it: exit codes, what it prints, what it writes.
 //! - `bounced`: bounced light is what a path tracer finds.
+//! - `budget`: budgets are kept, and what comes of them is told.
 //! - `conform`: the lit meshes have no gaps, T-junctions or leaks.
 //! - `corners`: the light between two walls, where it is known.
 //! - `elements`: what the lines are worth.
@@ -25,6 +26,7 @@ mod common;
 
 mod bounced;
 mod cli;
+mod budget;
 mod conform;
 mod corners;
 mod elements;

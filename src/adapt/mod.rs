@@ -238,9 +238,11 @@ pub fn refine(
                 room.reopen();
                 continue;
             };
+            // Lines are worth keeping at the error that comes of it, not at one that is out of reach.
+            let target = errors.target.max(room.attainable(receivers, rms));
             receivers
                 .par_iter_mut()
-                .for_each(|r| r.refine(light, least, errors.target));
+                .for_each(|r| r.refine(light, least, target));
             limit = Some(least);
         } else if thinnings < THINNINGS && report.passes + 1 < MAX_PASSES {
             thinnings += 1;

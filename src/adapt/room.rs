@@ -39,6 +39,11 @@ impl<'m> Room<'m> {
         self.most = usize::MAX;
     }
 
+    /// What an error of `rms` comes down to with all the elements that there may be: errors fall as elements grow in number.
+    pub(super) fn attainable(&self, receivers: &[Receiver], rms: f64) -> f64 {
+        rms * elements(receivers) as f64 / self.meter.most_elements() as f64
+    }
+
     /// How many elements of `receivers` may be marked; none ends the refinement.
     pub(super) fn marks(&mut self, receivers: &[Receiver]) -> usize {
         let most = self.meter.most_elements();

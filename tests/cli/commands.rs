@@ -39,6 +39,26 @@ fn bake_names_its_output_after_the_scene_and_keeps_quiet_when_asked() {
 }
 
 #[test]
+fn a_budget_that_is_used_up_is_a_warning_and_no_error() {
+    let folder = Folder::new();
+    let line = format!("bake {} -o a.glb --error 0.005 --json a.json", small());
+    let run = folder.done(&format!("{line} --budget elements=100,time=600"));
+    let told: Vec<&str> = run.err.lines().filter(|l| l.contains("budget")).collect();
+    assert_eq!(told.len(), 1, "{}", run.err);
+    assert!(told[0].starts_with("warning: ") && told[0].contains("(elements)"));
+    let json: Value = serde_json::from_str(&folder.text("a.json")).expect("JSON");
+    assert_eq!(json["settings"]["budget"], "elements=100,time=600");
+    let summary = &json["summary"];
+    assert_eq!(summary["stopped_by"], "elements");
+    assert!(summary["elements"].as_u64() <= Some(100));
+    if cfg!(target_os = "linux") {
+        for stage in summary["stages"].as_array().expect("a list") {
+            assert!(stage["peak_memory_bytes"].as_u64() > Some(0), "{stage}");
+        }
+    }
+}
+
+#[test]
 fn the_summary_for_machines_says_what_the_table_says() {
     let folder = Folder::new();
     folder.done(&format!(

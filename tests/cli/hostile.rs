@@ -143,6 +143,8 @@ fn wrong_use_is_told_in_one_line() {
         ("probe", "--points"),
         ("bake --error 0", "--error"),
         ("bake --error x", "--error"),
+        ("bake --budget speed=1", "--budget"),
+        ("bake --budget time=0", "--budget"),
         ("bake --bounces -1", "--bounces"),
         ("bake --threads 0", "--threads"),
         ("bake --unit mile", "--unit"),

@@ -19,14 +19,15 @@
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 //! - `robust`: broken files are read, or refused in one line.
 //! - `smooth`: facets of a curved surface are lit as the surface is, and do not show.
+//! - `soup`: solids and faces in each other are lit once.
 //! - `textures`: what light sees of textures, and what the lit file holds of them.
 //! - `traced`: bakes against a path tracer, as an error over all surfaces.
 
 mod common;
 
 mod bounced;
-mod cli;
 mod budget;
+mod cli;
 mod conform;
 mod corners;
 mod elements;
@@ -44,5 +45,6 @@ mod metamorphic;
 mod references;
 mod robust;
 mod smooth;
+mod soup;
 mod textures;
 mod traced;

@@ -57,8 +57,8 @@ pub(super) fn solve<'a>(prepared: &'a Prepared, args: &SceneArgs) -> anyhow::Res
     let mut solution = solved?;
     let summary = &mut solution.summary;
     summary.stages.splice(0..0, prepared.stages.clone());
-    if !args.quiet && summary.stopped_by.is_some() {
-        // It is the last one; the others have been told.
+    if !args.quiet {
+        // Those of the scene have been told.
         terminal::warnings(&summary.warnings[prepared.world.warnings.len()..], true);
     }
     Ok(Lit { solution })

@@ -116,6 +116,7 @@ impl Summary {
         self.clean = world.clean.clone();
         self.error_asked = solution.settings.error;
         self.warnings = world.warnings.iter().map(ToString::to_string).collect();
+        self.warnings.extend(covered(solution));
         self.warnings.extend(self.shortfall(&world.scene.source));
         self.sides = sides.len();
         self.lit_sides = is_lit.iter().filter(|l| **l).count();
@@ -190,6 +191,24 @@ impl Summary {
             say("indirect light".to_owned(), why);
         }
     }
+}
+
+/// Faces that are hidden in part by others in their plane, in words.
+fn covered(solution: &Solution) -> Option<String> {
+    let mut faces: Vec<FaceId> = solution
+        .receivers
+        .iter()
+        .filter(|r| !r.lines.covers.is_empty())
+        .map(|r| r.domain.face)
+        .collect();
+    faces.dedup();
+    let source = &solution.world.scene.source;
+    (!faces.is_empty()).then(|| {
+        format!(
+            "{source}: faces that others cover in the same plane: {} (of two the smaller is seen, an emitter before all)",
+            faces.len()
+        )
+    })
 }
 
 /// What the lit file says about itself.

@@ -6,9 +6,10 @@ use super::{
 };
 use crate::discontinuity::Discontinuity;
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};
-use crate::scene::{EdgeId, FaceId, FaceSide, Scene, VertexId};
+use crate::scene::{EdgeId, FaceId, FaceSide, Pattern, Scene, VertexId};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// A stretch of the face's outline along one edge of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +31,8 @@ pub struct FaceDomain {
     pub grid: Grid,
     /// Unit normal of the lit side.
     pub normal: DVec3,
+    /// Its reflectance place by place, where that differs.
+    pub pattern: Option<Arc<Pattern>>,
     /// The normal of the curved surface that the face stands for, on its front, if there is one.
     shading: Option<AffineMap<3>>,
     outline: Vec<OutlineEdge>,
@@ -90,6 +93,7 @@ impl FaceDomain {
             frame: f.frame,
             grid,
             normal: scene.normal(face, side),
+            pattern: f.pattern.clone(),
             shading: f.shading,
             outline,
             polygon: f.outline.clone(),

@@ -306,7 +306,8 @@ pub fn light<'a>(
             };
             let target = settings.error * display;
             let receivers = &mut solution.receivers;
-            let report = mesher.refine(receivers, &light, target, 0.0, &meter, |f| clock.tick(f))?;
+            let report =
+                mesher.refine(receivers, &light, target, 0.0, &meter, |f| clock.tick(f))?;
             summary.adapt.add(&report);
         }
         clock.start("measure", &mut summary);

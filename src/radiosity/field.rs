@@ -152,7 +152,7 @@ fn residual(
     let smallest = SMALLEST_SHARE * mesh.spacing;
     let new = follow_all(trees, &mesh.faces, limit, smallest, |f, p| {
         let face = &mesh.faces[f];
-        Radiosity(face.reflectance * arriving(face, f, p).0)
+        Radiosity(face.reflectance_at(p) * arriving(face, f, p).0)
     });
     let residual = new
         .iter()
@@ -183,7 +183,7 @@ impl<'a> IndirectField<'a> {
         let limit = FOLLOW_SHARE * request.error;
         let mut light = follow_all(&mut trees, &mesh.faces, limit, smallest, |f, p| {
             let face = &mesh.faces[f];
-            Radiosity(face.reflectance * direct(face, f, p).0)
+            Radiosity(face.reflectance_at(p) * direct(face, f, p).0)
         });
         let oracle = Oracle {
             light: &light,

@@ -18,7 +18,7 @@ pub struct SolveFace {
     pub domain: FaceDomain,
     /// Its elements.
     pub mesh: ReceiverMesh,
-    /// Diffuse reflectance of this side.
+    /// Mean diffuse reflectance of this side.
     pub reflectance: Rgb,
     /// Plane, normal towards the lit side.
     pub plane: Plane,
@@ -112,6 +112,12 @@ impl SolveFace {
             mesh,
             reflectance,
         })
+    }
+
+    /// Reflectance at frame coordinates `p`.
+    pub(super) fn reflectance_at(&self, p: DVec2) -> Rgb {
+        let pattern = self.domain.pattern.as_ref();
+        pattern.map_or(self.reflectance, |pattern| pattern.at(p))
     }
 
     /// A bound of the form factor of the whole face as seen from `view` (0…1); 0 when it is not seen. `roundoff` (metres)

@@ -7,16 +7,19 @@ mod adjacency;
 mod clean;
 mod ids;
 mod invariants;
+mod pattern;
 mod raw;
 
 pub use clean::{CleanReport, CleanSettings, clean};
 pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
+pub use pattern::Pattern;
 pub use raw::{Camera, Material, PunctualKind, PunctualLight, RawPolygon, RawScene};
 
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};
 use crate::quantity::{Radiance, Rgb};
 use crate::texture::Texture;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// The cleaned world.
 ///
@@ -100,6 +103,8 @@ pub struct Face {
     pub shading: Option<AffineMap<3>>,
     /// Mean diffuse reflectance, 0…1 a channel: of the material, with the part of its texture that the face shows.
     pub reflectance: Rgb,
+    /// The same place by place, where the texture shows other colours at other places.
+    pub pattern: Option<Arc<Pattern>>,
     /// Mean emitted radiance, W/(m² sr), likewise.
     pub emission: Radiance,
 }

@@ -146,6 +146,7 @@ pub(super) fn face(mut loops: Loops, look: Look, positions: &Positions) -> Optio
         uv: look.uv,
         shading: look.shading,
         reflectance: Rgb::BLACK,
+        pattern: None,
         emission: Radiance::ZERO,
     })
 }

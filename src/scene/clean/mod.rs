@@ -123,7 +123,7 @@ pub fn clean(
     report.duplicate_faces = duplicates::drop_duplicate_faces(&mut built.faces, &raw.materials);
     report.straightened =
         straighten::straighten(&mut built.faces, &positions, tolerances.edge_distance);
-    reflectance::average(&mut built.faces, &positions, raw);
+    reflectance::average(&mut built.faces, &positions, raw, selection.diagonal);
     let (faces, vertices) = compact(built.faces, &positions);
     let scene = assemble(
         raw,

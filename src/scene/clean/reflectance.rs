@@ -2,7 +2,7 @@
 
 use super::piece::Positions;
 use crate::quantity::{Radiance, Rgb};
-use crate::scene::{Face, Material, RawPolygon, RawScene};
+use crate::scene::{Face, Material, Pattern, RawPolygon, RawScene};
 use crate::texture::MipMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -17,11 +17,21 @@ const AWAY_BELOW: f64 = 0.5;
 /// parts of a picture not quite black, and each emitting face costs its own lines.
 const DARK_BELOW: f64 = 1e-3;
 
+/// Reflectance is known in cells of this share of the scene's diagonal: light that comes from a pattern as fine as that is
+/// even wherever anything stands, but in its immediate neighbourhood.
+const PATTERN_SPACING: f64 = 0.01;
+
+/// Along each side of a face at most so many.
+const PATTERN_CELLS: u32 = 64;
+
+/// A texture that stays this close to its mean is even.
+const PATTERN_CONTRAST: f64 = 0.01;
+
 /// Fills in what each face reflects and emits: what its material does, times the area mean of the part of the texture that
 /// it shows.
 ///
 /// One texture is open at a time: at full resolution, a large scene's do not fit the memory in linear light.
-pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene) {
+pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene, diagonal: f64) {
     for face in faces.iter_mut() {
         let material = &raw.materials[face.material as usize];
         face.reflectance = material.reflectance;
@@ -33,7 +43,7 @@ pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene)
     materials.dedup();
     for index in materials {
         let material = &raw.materials[index as usize];
-        let mut over_faces = |map: &MipMap, set: fn(&mut Face, &Material, Rgb)| {
+        let over_faces = |faces: &mut [Face], map: &MipMap, set: fn(&mut Face, &Material, Rgb)| {
             let of_material = faces.par_iter_mut().filter(|face| face.material == index);
             of_material.for_each(|face| {
                 if let Some(mean) = mean_over(face, positions, map) {
@@ -42,13 +52,17 @@ pub(super) fn average(faces: &mut [Face], positions: &Positions, raw: &RawScene)
             });
         };
         if let Some(map) = mip_map(raw, material.texture, material.cut_off) {
-            over_faces(&map, |face, material, mean| {
+            over_faces(faces, &map, |face, material, mean| {
                 face.reflectance = material.reflectance * mean;
+            });
+            let of_material = faces.par_iter_mut().filter(|face| face.material == index);
+            of_material.for_each(|face| {
+                face.pattern = pattern(face, material, &map, diagonal).map(Arc::new);
             });
         }
         let emission = material.emission_texture.filter(|_| material.is_emitter());
         if let Some(map) = mip_map(raw, emission, None) {
-            over_faces(&map, |face, material, mean| {
+            over_faces(faces, &map, |face, material, mean| {
                 let emission = Radiance(material.emission.0 * mean);
                 let is_dark = emission.mean() < DARK_BELOW * material.emission.mean();
                 face.emission = if is_dark { Radiance::ZERO } else { emission };
@@ -76,6 +90,31 @@ fn mean_over(face: &Face, positions: &Positions, map: &MipMap) -> Option<Rgb> {
         weight += share;
     }
     (weight > 0.0).then(|| sum * (1.0 / weight))
+}
+
+/// Reflectance place by place, where it is not the same everywhere.
+fn pattern(face: &Face, material: &Material, map: &MipMap, diagonal: f64) -> Option<Pattern> {
+    let uv = face.uv?;
+    let (low, high) = face.outline.bounds();
+    let mean = |corners: [DVec2; 4]| {
+        let [a, b, c, d] = corners.map(|p| DVec2::from(uv.at(face.frame.to_space(p))));
+        let halves = [[a, b, c], [a, c, d]].map(|t| map.mean(t));
+        let there: f64 = halves.iter().map(|h| h.coverage).sum();
+        if there > 0.0 {
+            let colour =
+                halves[0].colour * halves[0].coverage + halves[1].colour * halves[1].coverage;
+            material.reflectance * (colour * (1.0 / there))
+        } else {
+            face.reflectance
+        }
+    };
+    Pattern::new(
+        [low, high],
+        PATTERN_SPACING * diagonal,
+        PATTERN_CELLS,
+        (face.reflectance, PATTERN_CONTRAST),
+        mean,
+    )
 }
 
 fn area([a, b, c]: [DVec3; 3]) -> f64 {

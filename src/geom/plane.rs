@@ -21,6 +21,7 @@ impl Plane {
     }
 
     /// Signed distance of `p`, metres, positive on the side of the normal.
+    #[inline]
     pub fn distance(&self, p: DVec3) -> f64 {
         self.normal.dot(p) - self.offset
     }

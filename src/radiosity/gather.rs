@@ -74,6 +74,8 @@ pub struct Gatherer<'a> {
     scratch: Scratch,
     candidates: Vec<u32>,
     cones: Cones,
+    /// For each face, the screen that last hid all of it.
+    hiders: Vec<Option<u32>>,
     /// Cones that touch the cells on the way from the root to the cell at hand.
     touching: Vec<u32>,
 }
@@ -97,6 +99,7 @@ impl<'a> Gatherer<'a> {
             scratch: Scratch::default(),
             candidates: Vec::new(),
             cones: Cones::default(),
+            hiders: vec![None; mesh.faces.len()],
             touching: Vec::new(),
         }
     }
@@ -130,7 +133,7 @@ impl<'a> Gatherer<'a> {
             };
             if most * largest <= FEW_RAYS * oracle.ray {
                 self.by_rays(&walk, most * largest <= oracle.ray, sink);
-            } else if self.look_at(view, face) {
+            } else if self.look_at(view, f) {
                 self.touching.clear();
                 self.touching.extend(0..self.cones.len() as u32);
                 for root in 0..walk.tree.roots as usize {
@@ -262,19 +265,29 @@ impl<'a> Gatherer<'a> {
         sink(walk.f, c, [f / 3.0; 3]);
     }
 
-    /// Finds the cones of everything between `view` and a face; false when one of them hides all of it.
-    fn look_at(&mut self, view: &Viewpoint, face: &SolveFace) -> bool {
-        self.candidates.clear();
-        self.blockers
-            .collect(view, face.region(view), face.plane, &mut self.candidates);
+    /// Finds the cones of everything between `view` and face number `f`; false when one of them hides all of it.
+    fn look_at(&mut self, view: &Viewpoint, f: usize) -> bool {
+        let face = &self.mesh.faces[f];
+        let blockers = self.blockers;
         let rectangle = face.rectangle.map(|p| p - view.position);
-        !self.blockers.cones(
-            &self.candidates,
-            view,
-            face.plane,
-            &rectangle,
-            &mut self.cones,
-        )
+        let region = face.region(view).in_front_of([view.horizon, face.plane]);
+        self.candidates.clear();
+        // What hid the face from the last viewpoint likely hides it from this one.
+        if let Some(hider) = self.hiders[f]
+            && blockers.may_hide(hider, view, &region, face.plane)
+        {
+            self.candidates.push(hider);
+            let cones = &mut self.cones;
+            let hiding = blockers.cones(&self.candidates, view, face.plane, &rectangle, cones);
+            if hiding.is_some() {
+                return false;
+            }
+            self.candidates.clear();
+        }
+        blockers.collect_screens(view, &region, face.plane, &mut self.candidates);
+        let cones = &mut self.cones;
+        self.hiders[f] = blockers.cones(&self.candidates, view, face.plane, &rectangle, cones);
+        self.hiders[f].is_none()
     }
 
     /// The light of cell `c`, past those of the cones that `parents` lists.

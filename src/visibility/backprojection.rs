@@ -65,10 +65,12 @@ impl Scratch {
             && !self.is_hidden_by_few(blockers, view, target, &mut cones)
         {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
-            let region = Region::pyramid(view.position, target.corners);
-            blockers.collect(view, region, target.plane, &mut candidates);
+            let region = Region::pyramid(view.position, target.corners)
+                .in_front_of([view.horizon, target.plane]);
+            blockers.collect_screens(view, &region, target.plane, &mut candidates);
             let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
-            if !blockers.cones(&candidates, view, target.plane, &base, &mut cones) {
+            let hider = blockers.cones(&candidates, view, target.plane, &base, &mut cones);
+            if hider.is_none() {
                 self.visible_past(blockers, cones.iter(), view, target, visit);
             }
         }

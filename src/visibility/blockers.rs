@@ -1,9 +1,14 @@
 //! The opaque world as convex polygons in a tree.
 
+use super::screen::Screens;
 use super::{BoxTree, RayCaster, Region};
 use crate::geom::Plane;
 use crate::scene::{EdgeId, FaceId, Scene, VertexId};
 use glam::DVec3;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Counts the worlds of this process.
+static NEXT_ID: AtomicU64 = AtomicU64::new(0);
 
 /// One convex piece of a face.
 #[derive(Clone, Debug)]
@@ -18,12 +23,16 @@ pub struct Part {
 
 /// Every opaque face of a scene as convex parts.
 pub struct Blockers {
+    /// No two have the same: what is remembered of one is not taken for another's.
+    id: u64,
     parts: Vec<Part>,
     positions: Vec<DVec3>,
     vertices: Vec<VertexId>,
     /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
     edges: Vec<Option<EdgeId>>,
     tree: BoxTree,
+    /// The same as convex solids where they are such.
+    pub(super) screens: Screens,
     rays: RayCaster,
     ray_owners: Vec<FaceId>,
     weld_distance: f64,
@@ -34,7 +43,9 @@ impl Blockers {
     /// Collects the convex parts of all faces.
     pub fn new(scene: &Scene) -> Self {
         let (mut parts, mut positions, mut vertices, mut edges) = (vec![], vec![], vec![], vec![]);
+        let mut first_part = Vec::with_capacity(scene.faces.len());
         for (id, face) in scene.faces.iter() {
+            first_part.push(parts.len() as u32);
             let mut rim: Vec<([VertexId; 2], EdgeId)> = face
                 .loop_edges
                 .iter()
@@ -77,7 +88,15 @@ impl Blockers {
                 ray_owners.push(id);
             }
         }
+        // A plane's offset and a point's distance from it are each a dot product of three terms of at most the
+        // scene's diagonal: fewer than 8 roundings.
+        let roundoff = 8.0 * f64::EPSILON * scene.diagonal;
         Self {
+            id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
+            screens: Screens::new(scene, &first_part, parts.len(), roundoff, |i| {
+                let p: &Part = &parts[i as usize];
+                &positions[p.range()]
+            }),
             rays: RayCaster::new(&triangles),
             ray_owners,
             parts,
@@ -86,10 +105,12 @@ impl Blockers {
             edges,
             tree,
             weld_distance: scene.weld_distance,
-            // A plane's offset and a point's distance from it are each a dot product of three terms of at most the
-            // scene's diagonal: fewer than 8 roundings.
-            roundoff: 8.0 * f64::EPSILON * scene.diagonal,
+            roundoff,
         }
+    }
+
+    pub(super) fn id(&self) -> u64 {
+        self.id
     }
 
     /// All parts.

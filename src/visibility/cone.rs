@@ -2,9 +2,7 @@
 //!
 //! A cone is bounded by the planes through the viewpoint and the blocker's edges: no projection, so no singularity.
 
-use super::{Blockers, Region, Viewpoint};
-use crate::geom::Plane;
-use crate::scene::FaceId;
+use super::Blockers;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -26,20 +24,49 @@ pub enum Relation {
     Touches,
 }
 
-/// The cones of several blockers from one viewpoint, the widest first.
+/// The cones of several screens from one viewpoint, the widest first.
+///
+/// What a screen hides from a viewpoint does not depend on what is looked at, unless the plane of that cuts the screen:
+/// cones are kept until the viewpoint changes.
 #[derive(Default)]
 pub struct Cones {
     rims: Vec<DVec3>,
     sides: Vec<ConeSide>,
-    items: Vec<ConeItem>,
+    pub(super) items: Vec<ConeItem>,
+    kept: Kept,
+}
+
+/// The cones of whole screens from one viewpoint: the first so many rims and sides.
+#[derive(Default)]
+struct Kept {
+    /// Of which world, and from where.
+    of: Option<(u64, DVec3)>,
+    found: Vec<(u32, Whole)>,
+    /// For each screen its place in `found`, if that holds it at all.
+    places: Vec<u32>,
+    rims: usize,
+}
+
+/// What is known of a screen as a whole.
+#[derive(Clone, Copy, Default)]
+pub(super) enum Whole {
+    /// It is seen edge-on.
+    #[default]
+    Nothing,
+    /// It has this cone.
+    Cone(ConeItem),
+    /// A solid that is not seen from outside: each of its parts for itself.
+    Parts,
 }
 
 #[derive(Clone, Copy)]
-struct ConeItem {
+pub(super) struct ConeItem {
     first: u32,
     count: u32,
     /// How wide it looks: sum of the squared sines between neighbouring rim directions.
-    width: f64,
+    pub(super) width: f64,
+    /// The screen that it belongs to.
+    screen: u32,
 }
 
 /// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
@@ -57,13 +84,6 @@ pub(super) struct ConeSide {
 }
 
 impl Cones {
-    /// No cones.
-    pub fn clear(&mut self) {
-        self.rims.clear();
-        self.sides.clear();
-        self.items.clear();
-    }
-
     /// Number of cones.
     pub fn len(&self) -> usize {
         self.items.len()
@@ -89,12 +109,47 @@ impl Cones {
         (0..self.items.len()).map(|i| self.get(i))
     }
 
-    /// Adds the cone with the given rim (directions, turning counter-clockwise when `facing` is 1, clockwise when −1).
-    fn push(&mut self, rim: impl Iterator<Item = DVec3>, facing: f64) {
+    /// Forgets all cones but those of whole screens of `blockers` from `eye`.
+    pub(super) fn start(&mut self, blockers: &Blockers, eye: DVec3) {
+        self.items.clear();
+        let kept = &mut self.kept;
+        let of = Some((blockers.id(), eye));
+        if kept.of != of {
+            kept.of = of;
+            kept.rims = 0;
+            kept.found.clear();
+            kept.places.resize(blockers.screen_count(), 0);
+        }
+        self.rims.truncate(kept.rims);
+        self.sides.truncate(kept.rims);
+    }
+
+    /// The whole of a screen, as `look` finds it unless it has been seen before.
+    pub(super) fn whole(&mut self, screen: u32, look: impl FnOnce(&mut Self) -> Whole) -> Whole {
+        let place = self.kept.places[screen as usize] as usize;
+        if let Some(&(found, whole)) = self.kept.found.get(place)
+            && found == screen
+        {
+            return whole;
+        }
+        let whole = look(self);
+        self.kept.rims = self.rims.len();
+        self.kept.places[screen as usize] = self.kept.found.len() as u32;
+        self.kept.found.push((screen, whole));
+        whole
+    }
+
+    /// Makes the cone with the given rim (directions, turning counter-clockwise when `facing` is 1, clockwise when −1).
+    pub(super) fn cone(
+        &mut self,
+        rim: impl Iterator<Item = DVec3>,
+        facing: f64,
+        screen: u32,
+    ) -> Option<ConeItem> {
         let first = self.rims.len();
         self.rims.extend(rim);
         let rim = &self.rims[first..];
-        let Some(&last) = rim.last() else { return };
+        let &last = rim.last()?;
         let (mut width, mut a, mut a_squared) = (0.0, last, last.length_squared());
         for &b in rim {
             // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
@@ -108,17 +163,18 @@ impl Cones {
             });
             (a, a_squared) = (b, b_squared);
         }
-        self.items.push(ConeItem {
+        Some(ConeItem {
             first: first as u32,
             count: (self.rims.len() - first) as u32,
             width,
-        });
+            screen,
+        })
     }
 
-    /// Leaves out the cones that one of their own sides parts from the convex polygon `base` (directions); returns whether
-    /// one cone alone holds all of it.
-    fn narrow(&mut self, base: &[DVec3]) -> bool {
-        let mut is_hidden = false;
+    /// Leaves out the cones that one of their own sides parts from the convex polygon `base` (directions); returns a
+    /// screen whose cone alone holds all of it.
+    pub(super) fn narrow(&mut self, base: &[DVec3]) -> Option<u32> {
+        let mut hider = None;
         let (sides, items) = (&self.sides, &mut self.items);
         items.retain(|item| {
             let range = item.first as usize..(item.first + item.count) as usize;
@@ -130,10 +186,12 @@ impl Cones {
                 }
                 holds_all &= outside == 0;
             }
-            is_hidden |= holds_all;
+            if holds_all {
+                hider = Some(item.screen);
+            }
             true
         });
-        is_hidden
+        hider
     }
 }
 
@@ -187,57 +245,6 @@ impl Cone<'_> {
     }
 }
 
-impl Blockers {
-    /// Appends the parts that may hide from `view` something that lies in `region` and in the plane `target`.
-    pub fn collect(&self, view: &Viewpoint, mut region: Region, target: Plane, out: &mut Vec<u32>) {
-        region.planes.push(view.horizon);
-        region.planes.push(target);
-        let tol = self.weld_distance();
-        self.query(&region, |i| {
-            let corners = self.corners(self.part(i));
-            if corners.iter().any(|&c| view.horizon.distance(c) > tol)
-                && corners.iter().any(|&c| target.distance(c) > tol)
-                && region.may_meet_polygon(corners, 0.0)
-            {
-                out.push(i);
-            }
-        });
-        // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
-        out.sort_unstable();
-    }
-
-    /// Fills `out` with the cones of the given parts as far as they lie in front of the plane `target` and may hide some of
-    /// the convex polygon `base` (directions from the viewpoint). The widest come first: what is hidden is then gone before
-    /// small blockers cut it into pieces. Returns whether one of them alone hides all of `base`.
-    pub fn cones(
-        &self,
-        parts: &[u32],
-        view: &Viewpoint,
-        target: Plane,
-        base: &[DVec3],
-        out: &mut Cones,
-    ) -> bool {
-        out.clear();
-        for &i in parts {
-            push_cone(self, i, view, target, out);
-        }
-        let is_hidden = out.narrow(base);
-        out.items.sort_by(|a, b| b.width.total_cmp(&a.width));
-        is_hidden
-    }
-
-    /// True when the straight line from `view` to `point` on `face` meets no other face, tested by a ray.
-    pub fn sees(&self, view: &Viewpoint, point: DVec3, face: FaceId) -> bool {
-        // Nothing within the weld distance of the viewpoint stands in the way: that is the surface it lies on.
-        let start = self.weld_distance() / view.position.distance(point);
-        !self
-            .rays()
-            .is_blocked(view.position, point, start, 1.0, |t| {
-                self.ray_owner(t) == face
-            })
-    }
-}
-
 /// Sutherland–Hodgman against one half-space given by a signed distance.
 pub(super) fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece {
     let mut out = Piece::new();
@@ -252,41 +259,6 @@ pub(super) fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece 
         }
     }
     out
-}
-
-/// Adds the cone of the part of a blocker in front of the target's plane, unless it hides nothing.
-fn push_cone(blockers: &Blockers, index: u32, view: &Viewpoint, target: Plane, out: &mut Cones) {
-    let part = blockers.part(index);
-    let eye = view.position;
-    let distance = part.plane.distance(eye);
-    // Seen edge-on it hides nothing.
-    if distance.abs() <= blockers.roundoff() {
-        return;
-    }
-    let tol = blockers.weld_distance();
-    // Points within the weld distance of the target's plane are in it: a ceiling does not hide the lamp flush with it.
-    let ahead = |p: &DVec3| {
-        let d = target.distance(*p);
-        if d.abs() <= tol { 0.0 } else { d }
-    };
-    let corners = blockers.corners(part);
-    let (mut any_ahead, mut any_behind) = (false, false);
-    for c in corners {
-        let d = ahead(c);
-        any_ahead |= d > 0.0;
-        any_behind |= d < 0.0;
-    }
-    if !any_ahead {
-        return;
-    }
-    if any_behind {
-        let rim = clip(corners, ahead);
-        if rim.len() >= 3 {
-            out.push(rim.iter().map(|c| c - eye), distance.signum());
-        }
-    } else {
-        out.push(corners.iter().map(|c| c - eye), distance.signum());
-    }
 }
 
 /// Rounding error of `(b × a) · d` for a direction `d` of unit length.

@@ -6,6 +6,7 @@
 use super::{Blockers, Cones, Scratch, Target, Viewpoint};
 use crate::scene::FaceId;
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// Rays at most. Where that many faces do not hide a target together it is usually seen, in part.
 const PROBES: usize = 12;
@@ -28,11 +29,13 @@ impl Scratch {
             let Some(face) = blockers.first_on(view, way, target) else {
                 return false;
             };
-            let parts: smallvec::SmallVec<[u32; 8]> = blockers
+            let mut screens: SmallVec<[u32; 8]> = blockers
                 .parts_of(face)
-                .filter(|&i| blockers.is_above(view, i))
+                .map(|part| blockers.screen_of(part))
+                .filter(|&s| blockers.is_between(view, target.plane, blockers.corners_of(s)))
                 .collect();
-            blockers.cones(&parts, view, target.plane, &base, cones);
+            screens.dedup();
+            blockers.cones(&screens, view, target.plane, &base, cones);
             if cones.is_empty() {
                 return false;
             }
@@ -56,12 +59,6 @@ impl Blockers {
             .rays()
             .nearest_where(view.position, way, tol / length, 1.0, |h| is_before(h.t))?;
         Some(self.ray_owner(hit.triangle))
-    }
-
-    /// Whether any of a part lies above the horizon of `view`, farther than the weld distance.
-    fn is_above(&self, view: &Viewpoint, part: u32) -> bool {
-        let mut corners = self.corners(self.part(part)).iter();
-        corners.any(|&c| view.horizon.distance(c) > self.weld_distance())
     }
 
     /// Indices of the parts of a face.

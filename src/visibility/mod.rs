@@ -7,6 +7,9 @@ mod cone;
 mod hidden;
 mod ray;
 mod region;
+mod screen;
+mod shadow;
+mod solid;
 mod view;
 
 pub use backprojection::Scratch;

@@ -34,6 +34,12 @@ impl Region {
         }
     }
 
+    /// What of it lies in front of `planes`, too.
+    pub fn in_front_of(mut self, planes: [Plane; 2]) -> Self {
+        self.planes.extend(planes);
+        self
+    }
+
     /// False only when the box certainly misses the region.
     pub fn may_meet_box(&self, lo: DVec3, hi: DVec3) -> bool {
         if lo.cmpgt(self.bounds.1).any() || hi.cmplt(self.bounds.0).any() {

@@ -11,6 +11,7 @@
 //! Willems (1996) for the residual as an estimate of the error.
 
 mod cells;
+mod elements;
 mod field;
 mod field_face;
 mod gather;

@@ -100,9 +100,9 @@ impl FieldFace {
 
     /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².
     pub(super) fn error_at(&self, p: DVec2) -> f64 {
-        match self.locator.locate(&self.mesh, p) {
+        match self.elements.at_with_error(p) {
             Some(_) if self.is_uniform => (self.errors()[0] / self.area()).sqrt(),
-            Some((e, _)) => (self.error(e) / self.mesh.area(e)).sqrt(),
+            Some((_, square)) => square.sqrt(),
             None => 0.0,
         }
     }

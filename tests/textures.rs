@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 use umbrage::io::{ReadSettings, read_lit, read_scene, write_glb};
-use umbrage::pipeline::{World, light};
+use umbrage::pipeline::{Sensor, World, light, probe_exact};
 use umbrage::quantity::{Radiance, Rgb};
+use umbrage::radiosity::Bounces;
 use umbrage::scene::{Material, RawPolygon, RawScene};
 use umbrage::settings::Settings;
 use umbrage::texture::{Texture, Wrap};
@@ -129,6 +130,38 @@ fn light_sees_the_mean_of_what_a_face_shows() {
         );
     }
     assert_eq!(world.scene.faces.len(), 5);
+}
+
+#[test]
+fn a_half_white_floor_lights_what_is_on_its_white_half() {
+    // One face with a picture of two halves, and two faces of one colour each.
+    let place = |i: usize, p: DVec2| 0.5 * (p + DVec2::new((i % 2) as f64, (i / 2) as f64));
+    let picture = world(&tiles(place));
+    let plain = world(&tiles(|i, _| DVec2::new([0.1, 0.9][i % 2], 0.5)));
+    assert_eq!((picture.scene.faces.len(), plain.scene.faces.len()), (2, 3));
+    let settings = Settings {
+        error: 0.02,
+        bounces: Bounces::Count(1),
+        ..Settings::default()
+    };
+    // Towards the white half, the black half, and from places over either.
+    let sensors = [
+        (DVec3::new(1.0, 0.3, 1.0), DVec3::NEG_X),
+        (DVec3::new(0.5, 0.2, 0.8), DVec3::NEG_Y),
+        (DVec3::new(1.5, 0.2, 0.8), DVec3::NEG_Y),
+        (DVec3::new(1.0, 0.3, 1.0), DVec3::X),
+    ]
+    .map(|(at, normal)| Sensor::new(at, normal).expect("a direction"));
+    let readings = [&picture, &plain].map(|world| {
+        let lit = light(world, &settings, &mut |_, _| {}).expect("a bake");
+        let found = probe_exact(world, &lit.direct, lit.indirect.as_ref(), &sensors);
+        found.iter().map(|r| r.indirect.0.0.x).collect::<Vec<f64>>()
+    });
+    let brightest = readings[1][0].max(readings[1][1]);
+    assert!(brightest > 0.05 && readings[1][3] < 1e-3 * brightest);
+    for (found, wanted) in readings[0].iter().zip(&readings[1]) {
+        assert!((found - wanted).abs() < 0.04 * brightest, "{readings:?}");
+    }
 }
 
 #[test]

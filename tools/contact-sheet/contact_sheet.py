@@ -19,6 +19,8 @@ from PIL import Image, ImageDraw
 TILE = (480, 320)
 COLUMNS = 3
 CAPTION = 34
+# A picture of 256 steps shows bands when it is brightened more.
+MOST_GAIN = 16
 
 
 def arguments():
@@ -78,7 +80,30 @@ def tile(args, name, camera):
     fault, _ = run(draw + view + ["--hfov", str(camera["hfov_degrees"])], args.timeout)
     if fault:
         return None, fault
-    return Image.open(picture).convert("RGB"), facts(report, seconds)
+    shown, gain = brightened(Image.open(picture).convert("RGB"))
+    return shown, facts(report, seconds) + ("" if gain == 1 else f", shown {gain:.0f} times as bright")
+
+
+def brightened(picture):
+    """A dark picture with its brightest hundredth at white, and by what its light was multiplied."""
+    counts = picture.convert("L").histogram()
+    seen, level = 0, 255
+    while level > 1 and seen + counts[level] < 0.01 * sum(counts):
+        seen += counts[level]
+        level -= 1
+    gain = min(MOST_GAIN, 1 / linear(level / 255))
+    if gain < 2:
+        return picture, 1
+    table = [round(255 * encoded(min(1, gain * linear(i / 255)))) for i in range(256)]
+    return picture.point(table * 3), gain
+
+
+def linear(x):
+    return x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4
+
+
+def encoded(x):
+    return 12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055
 
 
 def sheet(tiles):

@@ -260,3 +260,69 @@ fn normals_that_differ_make_a_crease() {
     assert!(scene.faces.iter().any(|(_, f)| f.shading.is_some()));
     assert!(scene.edges.iter().all(|(_, e)| !e.is_smooth));
 }
+
+/// A wall of two materials: its light does not change where the paint does.
+#[test]
+fn faces_in_one_plane_meet_in_one_light() {
+    let corners = |x: [f64; 2], y: f64, is_up: bool| {
+        let mut all = vec![
+            DVec3::new(x[0], y, 1.0),
+            DVec3::new(x[1], y, 1.0),
+            DVec3::new(x[1], y, -1.0),
+            DVec3::new(x[0], y, -1.0),
+        ];
+        if !is_up {
+            all.reverse();
+        }
+        all
+    };
+    let material = |name: &str, reflectance, radiance| Material {
+        name: name.to_owned(),
+        reflectance: Rgb::grey(reflectance),
+        emission: Radiance(Rgb::grey(radiance)),
+        ..Material::default()
+    };
+    let mut raw = RawScene {
+        source: "two paints".to_owned(),
+        materials: vec![
+            material("light", 0.8, 0.0),
+            material("dark", 0.2, 0.0),
+            material("lamp", 0.0, 5.0),
+        ],
+        groups: vec!["all".to_owned()],
+        ..RawScene::default()
+    };
+    let parts = [
+        corners([-2.0, 0.3], 0.0, true),
+        corners([0.3, 2.0], 0.0, true),
+        corners([-0.5, 0.7], 1.0, false),
+    ];
+    for (material, part) in parts.into_iter().enumerate() {
+        let first = raw.positions.len() as u32;
+        raw.positions.extend(part);
+        raw.polygons.push(RawPolygon {
+            corners: (first..first + 4).collect(),
+            material: material as u32,
+            group: 0,
+        });
+    }
+    let (scene, lit) = bake(&raw, Bounces::Count(0));
+    assert_eq!(scene.edges.iter().filter(|(_, e)| e.is_smooth).count(), 1);
+    let on_seam = |mesh: &LitMesh| {
+        let both = mesh.positions.iter().zip(&mesh.irradiance);
+        let mut found: Vec<(f64, f64)> = both
+            .filter(|(p, _)| ((*p + lit.origin).x - 0.3).abs() < 1e-9 && mesh.exitance.0.is_black())
+            .map(|(p, e)| (p.z, e.mean()))
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    };
+    let seams: Vec<_> = lit
+        .meshes
+        .iter()
+        .map(on_seam)
+        .filter(|s| !s.is_empty())
+        .collect();
+    assert_eq!(seams.len(), 2);
+    assert!(seams[0].len() > 2 && seams[0] == seams[1], "{seams:?}");
+}

@@ -5,6 +5,8 @@
 //! sees most: a facet that turns its back to a lamp sees nothing of it, though its surface bends towards it at that vertex,
 //! and the next facet sees it whole. So all have one light, and no facet shows. Across a shadow's sharp border nothing is mixed: a vertex where a contact line meets
 //! the edge has a value for either part of the edge, and each finds its like on the other facet.
+//!
+//! Faces in one plane that something else than their shape divides (a material, a texture) are of one light in the same way.
 
 use crate::lit_scene::LitMesh;
 use crate::quantity::Irradiance;
@@ -52,7 +54,7 @@ impl SeamKey {
 type Node = (usize, u32);
 
 /// Gives all vertices that meet in a key, or by way of each other's keys, the largest irradiance found and the mean of their
-/// normals.
+/// normals; in a plane, where each sees the same, the mean of the irradiance.
 pub(super) fn share(meshes: &mut [LitMesh], mut seams: Vec<(SeamKey, Node)>) {
     seams.sort_unstable();
     seams.dedup();
@@ -73,23 +75,40 @@ pub(super) fn share(meshes: &mut [LitMesh], mut seams: Vec<(SeamKey, Node)>) {
     }
     for group in groups.values().filter(|group| group.len() > 1) {
         let found = |&(mesh, v): &Node| meshes[mesh].irradiance[v as usize];
-        let most = group
+        let light = group.iter().map(found);
+        let is_flat = group
             .iter()
-            .map(found)
-            .reduce(|a, b| if b.mean() > a.mean() { b } else { a });
-        let most = most.unwrap_or(Irradiance::ZERO);
+            .all(|&(mesh, _)| meshes[mesh].normals.is_empty());
+        let shared = if is_flat { mean(light) } else { most(light) };
         let normals = group
             .iter()
             .map(|&(mesh, v)| meshes[mesh].normal_at(v as usize));
         let normal = normals.sum::<DVec3>().normalize_or_zero();
         for &(mesh, v) in group {
             let mesh = &mut meshes[mesh];
-            mesh.irradiance[v as usize] = most;
+            mesh.irradiance[v as usize] = shared;
             if let Some(own) = mesh.normals.get_mut(v as usize) {
                 *own = normal;
             }
         }
     }
+}
+
+/// The largest.
+fn most(light: impl Iterator<Item = Irradiance>) -> Irradiance {
+    light
+        .reduce(|a, b| if b.mean() > a.mean() { b } else { a })
+        .unwrap_or(Irradiance::ZERO)
+}
+
+/// The mean of what the lit ones have found.
+fn mean(light: impl Iterator<Item = Irradiance>) -> Irradiance {
+    let (mut sum, mut count) = (Irradiance::ZERO, 0.0_f64);
+    for found in light.filter(|&found| found != Irradiance::ZERO) {
+        sum += found;
+        count += 1.0;
+    }
+    sum * (1.0 / count.max(1.0))
 }
 
 fn find(leader: &mut [usize], mut i: usize) -> usize {

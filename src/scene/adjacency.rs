@@ -49,12 +49,19 @@ pub(super) fn connect(faces: &mut IdVec<FaceId, Face>) -> IdVec<EdgeId, Edge> {
     edges
 }
 
-/// Marks the edges inside curved surfaces.
+/// Marks the edges inside curved surfaces, and those between faces in one plane (corners off it by `planarity` at most,
+/// metres): a wall of two materials.
 pub(super) fn mark_smooth(
     edges: &mut IdVec<EdgeId, Edge>,
     faces: &IdVec<FaceId, Face>,
     vertices: &IdVec<VertexId, DVec3>,
+    planarity: f64,
 ) {
+    let lies_in = |f: &Face, g: &Face| {
+        let plane = g.frame.plane();
+        let mut corners = f.loops.iter().flatten().map(|&v| vertices[v]);
+        corners.all(|p| plane.distance(p).abs() <= planarity)
+    };
     for id in edges.ids() {
         let edge = &mut edges[id];
         let &[a, b] = edge.uses.as_slice() else {
@@ -64,8 +71,8 @@ pub(super) fn mark_smooth(
         let is_curved = f.shading.is_some() || g.shading.is_some();
         let is_same = |p: DVec3| f.shading_normal(p).distance(g.shading_normal(p)) <= SAME_NORMAL;
         edge.is_smooth = a.is_forward != b.is_forward
-            && is_curved
-            && edge.ends.iter().all(|&v| is_same(vertices[v]));
+            && edge.ends.iter().all(|&v| is_same(vertices[v]))
+            && (is_curved || (lies_in(f, g) && lies_in(g, f)));
     }
 }
 

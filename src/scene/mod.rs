@@ -61,8 +61,8 @@ pub struct Edge {
     pub ends: [VertexId; 2],
     /// Every face that runs along it.
     pub uses: Vec<EdgeUse>,
-    /// Whether it only divides one curved surface into facets: two faces run along it, in one surface with one shading
-    /// normal at each of its ends. It is no crease, neither to the eye nor to the light.
+    /// Whether it only divides one surface: two faces run along it, facets of a curved one with one shading normal at each
+    /// of its ends, or both in one plane. It is no crease, neither to the eye nor to the light.
     pub is_smooth: bool,
 }
 

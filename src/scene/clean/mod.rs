@@ -210,7 +210,7 @@ fn assemble(
     diagonal: f64,
 ) -> Scene {
     let mut edges = connect(&mut faces);
-    mark_smooth(&mut edges, &faces, &vertices);
+    mark_smooth(&mut edges, &faces, &vertices, tolerances.planarity);
     Scene {
         source: raw.source.clone(),
         origin,

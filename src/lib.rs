@@ -13,7 +13,7 @@
 //! | [`scene`] | that | welded, planar, maximal faces with their neighbours | |
 //! | [`visibility`] | faces | who hides whom: the part of a polygon that a point sees, exactly | Woop, Benthin & Wald 2013 for rays |
 //! | [`direct`] | a point | the irradiance straight from the emitters, exact | Lambert 1760 |
-//! | [`form_factor`] | two polygons | the share of light that one sends the other, with its error: for study and comparison, no stage needs it | Sparrow 1963; Baum, Rushmeier & Winget 1989 |
+//! | [`form_factor`] | two polygons | the share of light that one sends the other, with its error | Sparrow 1963; Baum, Rushmeier & Winget 1989 |
 //! | [`discontinuity`] | emitters and edges | the lines where that irradiance or its derivatives break | Heckbert 1992; Lischinski, Tampieri & Greenberg 1992; Drettakis & Fiume 1994 |
 //! | [`mesh`] | lines on a face | triangles that cross no line | Hobby 1999; Halperin & Packer 2002 |
 //! | [`radiosity`] | a coarse mesh | the light by way of other faces | Lischinski, Tampieri & Greenberg 1993; Atkinson & Chien 1998 |

@@ -2,7 +2,7 @@
 
 use crate::adapt::Meshing;
 use crate::budget::Budget;
-use crate::radiosity::Bounces;
+use crate::radiosity::{Basis, Bounces, Solver};
 use crate::scene::CleanSettings;
 
 /// How a scene is lit.
@@ -14,6 +14,10 @@ pub struct Settings {
     pub bounces: Bounces,
     /// What the run may use.
     pub budget: Budget,
+    /// How the light between surfaces is solved for.
+    pub solver: Solver,
+    /// What cells know of the light that they reflect.
+    pub basis: Basis,
     /// What display meshes follow.
     pub meshing: Meshing,
     /// Tolerances of the clean-up.
@@ -32,6 +36,8 @@ impl Default for Settings {
             error: 0.01,
             bounces: Bounces::All,
             budget: Budget::default(),
+            solver: Solver::default(),
+            basis: Basis::default(),
             meshing: Meshing::default(),
             clean: CleanSettings::default(),
             exposure: Exposure::Auto,

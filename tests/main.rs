@@ -20,6 +20,7 @@
 //! - `robust`: broken files are read, or refused in one line.
 //! - `smooth`: facets of a curved surface are lit as the surface is, and do not show.
 //! - `soup`: solids and faces in each other are lit once.
+//! - `solvers`: every way to solve for the light between surfaces finds the same, and no power is lost.
 //! - `textures`: what light sees of textures, and what the lit file holds of them.
 //! - `traced`: bakes against a path tracer, as an error over all surfaces.
 
@@ -46,5 +47,6 @@ mod references;
 mod robust;
 mod smooth;
 mod soup;
+mod solvers;
 mod textures;
 mod traced;

@@ -10,7 +10,9 @@ use std::f64::consts::PI;
 use umbrage::mesh::FaceDomain;
 use umbrage::pipeline::World;
 use umbrage::quantity::{Irradiance, Rgb};
-use umbrage::radiosity::{Bounces, IndirectField, Request, SolveFace, SolveMesh};
+use umbrage::radiosity::{
+    Basis, Bounces, IndirectField, Linking, Request, SolveFace, SolveMesh, Solver,
+};
 use umbrage::scene::FaceSide;
 use umbrage::visibility::Viewpoint;
 
@@ -166,10 +168,14 @@ impl<'w> Case<'w> {
             bounces: Bounces::All,
             tolerance: 1e-8,
             rays: None,
+            basis: Basis::default(),
+            linking: Linking::default(),
+            solver: Solver::default(),
         };
         IndirectField::solve(mesh, &self.world.blockers, request, |face, _, p| {
             self.direct(face, p)
         })
+        .expect("the default solver has no limit")
         .0
     }
 

@@ -58,6 +58,16 @@ pub(super) struct SceneArgs {
         allow_negative_numbers = true
     )]
     pub(super) bounces: String,
+    /// How light between surfaces is solved for: hierarchical chooses by the scene between gauss-seidel and gmres
+    #[arg(
+        long,
+        default_value = "hierarchical",
+        value_name = "hierarchical|gauss-seidel|progressive|gmres|lu|jacobi|sor"
+    )]
+    pub(super) solver: String,
+    /// What the surfaces know of the light that they reflect: linear or constant over each of their cells
+    #[arg(long, default_value = "linear", value_name = "linear|constant")]
+    pub(super) basis: String,
     /// Threads; all processors when left out
     #[arg(long, allow_negative_numbers = true)]
     pub(super) threads: Option<usize>,

@@ -104,6 +104,8 @@ fn settings_json(args: &SceneArgs, settings: &Settings) -> Value {
             Bounces::All => json!("all"),
             Bounces::Count(n) => json!(n),
         },
+        "solver": settings.solver.name(),
+        "basis": settings.basis.name(),
         "exposure": match settings.exposure {
             Exposure::Auto => json!("auto"),
             Exposure::Ev(ev) => json!(ev),

@@ -77,6 +77,8 @@ pub(super) fn settings(args: &SceneArgs, exposure: Exposure) -> Result<Settings,
             None => Budget::default(),
         },
         bounces,
+        solver: args.solver.parse()?,
+        basis: args.basis.parse()?,
         clean: CleanSettings {
             weld_distance: positive("--weld", args.weld)?,
             planarity: positive("--planarity", args.planarity)?,

@@ -10,6 +10,7 @@ use umbrage::bad_input::BadInput;
 use umbrage::io::{read_lit, write_atomically, write_png};
 use umbrage::pipeline::LightError;
 use umbrage::quantity::WHITE_EFFICACY;
+use umbrage::radiosity::{Basis, Solver};
 use umbrage::render::{CameraChoice, ColourScale, LightUnit, round_top};
 use umbrage::report::{
     ERRORS, MemoryMeter, POINTS, Record, Report, ReportScene, ReportSettings, SceneReport,
@@ -134,6 +135,8 @@ fn scenes(args: &ReportArgs) -> Result<(Vec<ReportScene>, Settings), BadInput> {
         up: args.up.clone(),
         budget: None,
         bounces: args.bounces.clone(),
+        solver: Solver::default().name().to_owned(),
+        basis: Basis::default().name().to_owned(),
         threads: None,
         seed: 1,
         samples: Settings::default().samples,

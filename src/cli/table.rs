@@ -4,6 +4,7 @@ use super::options;
 use std::fmt::Write;
 use umbrage::budget::peak_bytes;
 use umbrage::pipeline::{Solution, Summary, World};
+use umbrage::radiosity::SolveReport;
 use umbrage::render::LightUnit;
 use umbrage::report::LightStatistics;
 use umbrage::scene::{CleanReport, FaceSide};
@@ -70,9 +71,10 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
                 count(s.solve.elements, "element"),
                 count(s.solve.nodes, "unknown"),
                 count(s.solve.links, "link"),
-                count(s.solve.residuals.len(), "sweep")
+                steps(&s.solve)
             ),
         );
+        rows.add("solver", format!("{}: {}", s.solve.method, s.solve.reason));
     }
     let m = &s.measured;
     rows.add(
@@ -128,6 +130,13 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
     }
     rows.add("warnings", s.warnings.len().to_string());
     rows.text
+}
+
+fn steps(s: &SolveReport) -> String {
+    match s.shots {
+        0 => count(s.residuals.len(), "step"),
+        shots => count(shots, "shot"),
+    }
 }
 
 #[derive(Default)]

@@ -5,7 +5,9 @@ use crate::direct::DirectLight;
 use crate::discontinuity::LineMap;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::Irradiance;
-use crate::radiosity::{Bounces, IndirectField, Locator, Request, SolveMesh};
+use crate::radiosity::{
+    Basis, Bounces, IndirectField, Linking, Locator, Request, SolveMesh, Solver,
+};
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::settings::Settings;
 use crate::visibility::{Blockers, Scratch};
@@ -80,13 +82,15 @@ impl Rooms<'_> {
             })
             .collect();
         let mean = mean_of_sites(&mesh, &at_sites);
-        let reflectance = mesh.mean_reflectance();
         let request = Request {
             error: GUESS_ERROR * mean,
-            ambient: mean * reflectance / (1.0 - reflectance),
+            ambient: mean * mesh.mean_reflectance() / mesh.loss(),
             bounces,
             tolerance: GUESS_ERROR,
             rays: Some(GUESS_RAYS),
+            basis: Basis::default(),
+            linking: Linking::default(),
+            solver: Solver::default(),
         };
         let (field, _) =
             IndirectField::solve(mesh, self.blockers, request, |face, f, p| {
@@ -94,7 +98,8 @@ impl Rooms<'_> {
                     Some((e, weights)) => mix(face.mesh.sites[e], weights, &at_sites[f]),
                     None => Irradiance::ZERO,
                 }
-            });
+            })
+            .expect("only the dense solver has a limit");
         Ok(field.mean())
     }
 }
@@ -128,6 +133,9 @@ pub(super) fn request(settings: &Settings, mean: f64, indirect: f64) -> Request 
         bounces: settings.bounces,
         tolerance: settings.error * SOLVE_SHARE,
         rays: None,
+        basis: settings.basis,
+        linking: Linking::default(),
+        solver: settings.solver,
     }
 }
 

@@ -30,7 +30,7 @@ use crate::direct::DirectLight;
 use crate::discontinuity::{FaceLines, LineTolerance, check_outlines, find_lines};
 use crate::lit_scene::LitScene;
 use crate::mesh::MeshError;
-use crate::radiosity::{Bounces, IndirectField};
+use crate::radiosity::{Bounces, IndirectField, SolveReport, TooManyUnknowns, check_size};
 use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
 use crate::visibility::Blockers;
@@ -197,7 +197,10 @@ pub fn light<'a>(
     if with_bounces {
         clock.start("first guess", &mut summary);
         mean_indirect = rooms.guess(&direct, settings.bounces)?;
-        solve_mesh = Some(rooms.solve_mesh(settings.error)?);
+        let mesh = rooms.solve_mesh(settings.error)?;
+        check_size(&mesh, &world.blockers, settings.solver, settings.basis)
+            .map_err(|e| too_many(world, e))?;
+        solve_mesh = Some(mesh);
     }
 
     clock.start("display mesh", &mut summary);
@@ -251,7 +254,11 @@ pub fn light<'a>(
         let shown = Shown::new(&receivers, mesh.faces.len());
         let request = request(settings, mean, mean_indirect);
         let (field, report) =
-            IndirectField::solve(mesh, &world.blockers, request, |_, f, p| shown.direct(f, p));
+            IndirectField::solve(mesh, &world.blockers, request, |_, f, p| shown.direct(f, p))
+                .map_err(|e| too_many(world, e))?;
+        if !report.is_settled {
+            return Err(unsettled(world, &report).into());
+        }
         summary.solve = report;
         indirect = Some(field);
     }
@@ -334,6 +341,23 @@ pub fn light<'a>(
     summary.fill(&solution, &is_lit, &sides);
     solution.summary = summary;
     Ok(solution)
+}
+
+fn too_many(world: &World, error: TooManyUnknowns) -> BadInput {
+    let remedy = "use --solver gmres, or accept a larger --error";
+    BadInput::new(&world.scene.source, error.to_string(), remedy)
+}
+
+/// Light that comes back again and again and is never lost, or too slowly for the solver.
+fn unsettled(world: &World, report: &SolveReport) -> BadInput {
+    let what = format!(
+        "{} steps of {} have not settled the light between surfaces (one more changes {:.1e} of the largest radiosity)",
+        report.residuals.len(),
+        report.method,
+        report.residual
+    );
+    let remedy = "lower the reflectances that are 1, let light out, or use --solver hierarchical";
+    BadInput::new(&world.scene.source, what, remedy)
 }
 
 /// Makes display meshes of one kind.

@@ -11,7 +11,7 @@
 //! A receiver far away, or light that is nearly linear, takes a cell as it is; else it looks at the children
 //! (Hanrahan, Salzman & Aupperle 91; linear bases as in Gortler, Schröder, Cohen & Hanrahan 93).
 
-use super::SolveFace;
+use super::{Basis, SolveFace};
 use crate::quantity::{Radiosity, Rgb};
 use crate::scene::FaceSide;
 use glam::{DVec2, DVec3};
@@ -49,6 +49,10 @@ pub(super) struct FaceCells {
     pub(super) cells: Vec<Cell>,
     /// The first so many cells are roots.
     pub(super) roots: u32,
+    /// The first so many are as wide as the spacing of the solve mesh asks for; the light has asked for the others.
+    pub(super) coarse: usize,
+    /// What the cells know of their light.
+    pub(super) basis: Basis,
 }
 
 /// The light that one cell sends out: linear between the corners.
@@ -129,7 +133,7 @@ impl Cell {
     }
 
     /// Corners in the order of the children: the halved edge first.
-    fn order(&self) -> [usize; 3] {
+    pub(super) fn order(&self) -> [usize; 3] {
         let k = self.halved as usize;
         [k, (k + 1) % 3, (k + 2) % 3]
     }
@@ -143,7 +147,7 @@ impl Cell {
 impl FaceCells {
     /// The constrained Delaunay triangles of the face between its outline and contact lines, halved until none is wider
     /// than `width` (metres).
-    pub(super) fn new(face: &SolveFace, width: f64) -> Self {
+    pub(super) fn new(face: &SolveFace, width: f64, basis: Basis) -> Self {
         let order: [usize; 3] = if face.domain.side == FaceSide::Front {
             [0, 1, 2]
         } else {
@@ -154,6 +158,8 @@ impl FaceCells {
             .collect();
         let mut tree = Self {
             roots: cells.len() as u32,
+            coarse: 0,
+            basis,
             cells,
         };
         let mut i = 0;
@@ -163,6 +169,7 @@ impl FaceCells {
             }
             i += 1;
         }
+        tree.coarse = tree.cells.len();
         tree
     }
 
@@ -194,7 +201,7 @@ impl FaceCells {
             let cell = self.cells[i];
             let mut value = CellLight::default();
             if cell.child == LEAF {
-                value = CellLight::sampled(|w| light(cell.at(w)));
+                value = CellLight::sampled(|w| light(cell.at(w))).told_by(self.basis);
                 if value.deviation > limit
                     && cell.width_squared > smallest * smallest
                     && self.halve(face, i)
@@ -207,6 +214,14 @@ impl FaceCells {
         }
         found.pull(self);
         found
+    }
+
+    /// The triangles that the spacing of the solve mesh asks for, whatever the light has divided since.
+    pub(super) fn elements(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.coarse).filter(|&i| {
+            let child = self.cells[i].first_child();
+            child.is_none_or(|c| c >= self.coarse)
+        })
     }
 
     /// All leaves.
@@ -264,6 +279,22 @@ impl CellLight {
         (a.max(b).max(c) - a.min(b).min(c)).max_element()
     }
 
+    /// What `basis` can tell of it.
+    fn told_by(self, basis: Basis) -> Self {
+        match basis {
+            Basis::Linear => self,
+            Basis::Constant => {
+                let mean = self.mean();
+                let rest = self.square - mean.0 * mean.0;
+                Self {
+                    corners: [mean; 3],
+                    deviation: rest.mean().max(0.0).sqrt(),
+                    square: self.square,
+                }
+            }
+        }
+    }
+
     /// With other values at the corners, all of which the linear function tells.
     pub(super) fn linear(corners: [Radiosity; 3]) -> Self {
         let mut light = Self {
@@ -295,7 +326,8 @@ impl FaceLight {
             for (k, m) in cell.order().into_iter().zip(halved) {
                 moments[k] = m * 0.5;
             }
-            self.cells[i] = CellLight::from_moments(moments, (left.square + right.square) * 0.5);
+            let square = (left.square + right.square) * 0.5;
+            self.cells[i] = CellLight::from_moments(moments, square).told_by(tree.basis);
         }
         self.summarise(tree);
     }
@@ -313,7 +345,8 @@ impl FaceLight {
         for i in tree.leaves() {
             let added = CellLight::sampled(|w| more(tree.cells[i].at(w)));
             let now = &mut self.cells[i];
-            *now = CellLight::linear([0, 1, 2].map(|k| now.corners[k] + added.corners[k]));
+            let both = [0, 1, 2].map(|k| now.corners[k] + added.corners[k]);
+            *now = CellLight::linear(both).told_by(tree.basis);
         }
         self.pull(tree);
     }

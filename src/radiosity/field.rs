@@ -16,8 +16,11 @@ use super::cells::{FaceCells, FaceLight, follow_all};
 use super::field_face::FieldFace;
 use super::gather::Oracle;
 use super::nodes::NodalField;
-use super::solve::Transport;
-use super::{Bounces, Gatherer, SolveFace, SolveMesh, SolveReport};
+use super::rows::point_nodes;
+use super::solve::{Method, Transport};
+use super::{
+    Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
+};
 use crate::mesh::MeshError;
 use crate::quantity::{Irradiance, Radiosity};
 use crate::visibility::{Blockers, Viewpoint};
@@ -80,6 +83,22 @@ pub struct Request {
     pub tolerance: f64,
     /// Nothing but so many rays from each node: for a guess.
     pub rays: Option<u32>,
+    /// What cells know of their light.
+    pub basis: Basis,
+    /// How nodes are linked with cells.
+    pub linking: Linking,
+    /// How the links are solved.
+    pub solver: Solver,
+}
+
+impl Request {
+    fn method(&self) -> Method {
+        Method {
+            solver: self.solver,
+            bounces: self.bounces,
+            tolerance: self.tolerance,
+        }
+    }
 }
 
 /// Indirect irradiance over all lit sides.
@@ -116,6 +135,23 @@ fn ray_share(mesh: &SolveMesh) -> f64 {
 impl Coarse<'_> {
     fn gatherer(&self) -> Gatherer<'_> {
         Gatherer::new(&self.mesh, &self.trees, self.blockers)
+    }
+
+    /// The field as it starts when the nodes of the solution are whole elements: gathered at points.
+    fn gathered_at_nodes(&self) -> Vec<FieldFace> {
+        let (nodes, views) = point_nodes(&self.mesh, self.blockers);
+        let values: Vec<Irradiance> = views
+            .par_iter()
+            .map_init(
+                || self.gatherer(),
+                |gatherer, view| self.gather(gatherer, view, &self.light, self.error, 0.0),
+            )
+            .collect();
+        let field = NodalField {
+            nodes: &nodes,
+            values: &values,
+        };
+        started(&self.mesh, &field)
     }
 
     /// Indirect irradiance at `view` from `light`, W/m².
@@ -168,21 +204,31 @@ fn residual(
     (new, residual)
 }
 
+/// The field as it starts.
+fn started(mesh: &SolveMesh, values: &NodalField) -> Vec<FieldFace> {
+    (0..mesh.faces.len())
+        .map(|f| FieldFace::new(&mesh.faces[f], f, values))
+        .collect()
+}
+
 impl<'a> IndirectField<'a> {
     /// Solves for the indirect light on `mesh`, given the direct light at every point of its faces (`direct(face, its index, point)`,
     /// frame coordinates, W/m²).
+    ///
+    /// # Errors
+    /// [`TooManyUnknowns`] of the dense solver; the others take any number.
     pub fn solve(
         mesh: SolveMesh,
         blockers: &'a Blockers,
         request: Request,
         direct: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
-    ) -> (Self, SolveReport) {
+    ) -> Result<(Self, SolveReport), TooManyUnknowns> {
         // What a gather misses comes back with every bounce.
-        let error = request.error * (1.0 - mesh.mean_reflectance());
+        let error = request.error * mesh.loss();
         let mut trees: Vec<FaceCells> = mesh
             .faces
             .par_iter()
-            .map(|f| FaceCells::new(f, mesh.spacing))
+            .map(|f| FaceCells::new(f, mesh.spacing, request.basis))
             .collect();
         let smallest = SMALLEST_SHARE * mesh.spacing;
         let limit = FOLLOW_SHARE * request.error;
@@ -190,39 +236,48 @@ impl<'a> IndirectField<'a> {
             let face = &mesh.faces[f];
             Radiosity(face.reflectance_at(p) * direct(face, f, p).0)
         });
-        let oracle = Oracle {
+        let mut oracle = Oracle {
             light: &light,
             ambient: AMBIENT_SHARE * request.ambient,
             link: LINK_SHARE * error,
             ray: ray_share(&mesh) * error,
             skip: 0.0,
         };
+        if request.linking == Linking::Leaves {
+            // Whatever may come on top of the light, no cell that has children is good enough.
+            oracle = Oracle {
+                ambient: 1.0,
+                link: 0.0,
+                ray: 0.0,
+                ..oracle
+            };
+        }
         let is_crowded = is_crowded(&mesh);
-        let transport = Transport::new(&mesh, &trees, blockers, &oracle, |face| {
+        let transport = Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
             let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
             request.rays.or(small)
         });
-        let (values, report) =
-            transport.solve(&mesh, &mut light, request.bounces, request.tolerance);
-        let gathered = transport.field(&values);
-        let faces = (0..mesh.faces.len())
-            .map(|f| FieldFace::new(&mesh.faces[f], f, &gathered))
-            .collect();
+        let (values, report) = transport.solve(&mesh, &mut light, request.method())?;
+        let solution = Coarse {
+            mesh,
+            trees,
+            light,
+            blockers,
+            error,
+        };
+        let faces = match request.basis {
+            Basis::Linear => started(&solution.mesh, &transport.field(&values)),
+            Basis::Constant => solution.gathered_at_nodes(),
+        };
         let field = Self {
             gathers: transport.node_count(),
-            solution: Coarse {
-                mesh,
-                trees,
-                light,
-                blockers,
-                error,
-            },
+            solution,
             transport,
             faces,
             request,
             estimated_rms: 0.0,
         };
-        (field, report)
+        Ok((field, report))
     }
 
     /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²), or until `progress`
@@ -302,10 +357,10 @@ impl<'a> IndirectField<'a> {
         // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
         let once = self.transport.gather_all(&residual);
         let mut coarse = residual.clone();
-        let request = &self.request;
         let (all, _) = self
             .transport
-            .solve(mesh, &mut coarse, request.bounces, request.tolerance);
+            .solve(mesh, &mut coarse, self.request.method())
+            .expect("the same links have been solved before");
         let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
         let (all, further) = (self.transport.field(&all), self.transport.field(&further));
         solution.light = new;

@@ -10,6 +10,7 @@
 //! solving coarsely and displaying finely; Atkinson & Chien (1998) for collocation of the occluded equation; Bekaert &
 //! Willems (1996) for the residual as an estimate of the error.
 
+mod basis;
 mod cells;
 mod elements;
 mod field;
@@ -19,12 +20,19 @@ mod kernel;
 mod locator;
 mod nodes;
 mod reach;
+mod rows;
 mod solve;
 mod solve_mesh;
+mod solvers;
+#[cfg(test)]
+mod tests;
 
+pub use basis::Basis;
 pub use field::{IndirectField, Request, SolutionError};
 pub use gather::Gatherer;
 pub use locator::Locator;
 pub use reach::reached;
-pub use solve::{Bounces, SolveReport};
+pub use rows::check_size;
+pub use solve::{Bounces, Linking, SolveReport};
 pub use solve_mesh::{SolveFace, SolveMesh};
+pub use solvers::{Solver, TooManyUnknowns};

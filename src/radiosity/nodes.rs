@@ -1,6 +1,7 @@
 //! The nodes of one face: where the solution gathers light, and the quadratic function between them.
 
 use super::SolveFace;
+use crate::mesh::barycentric;
 use crate::quantity::Irradiance;
 use crate::visibility::Viewpoint;
 use glam::DVec2;
@@ -11,10 +12,20 @@ use std::ops::Range;
 pub(super) struct FaceNodes {
     /// Its nodes among all nodes.
     pub(super) range: Range<usize>,
-    /// For each site of its mesh, the node there.
-    pub(super) sites: Vec<u32>,
-    /// For each element the nodes at its edges' midpoints; none when the whole face has one node.
-    pub(super) middles: Option<Vec<[u32; 3]>>,
+    places: Places,
+}
+
+/// Where the nodes of a face are.
+enum Places {
+    /// One for the whole face, at its middle.
+    Whole,
+    /// At the sites of its mesh and at the midpoints of its elements' edges: quadratic in between.
+    Quadratic {
+        sites: Vec<u32>,
+        middles: Vec<[u32; 3]>,
+    },
+    /// One for each of these elements of its own, frame coordinates: constant over it.
+    Elements(Vec<[DVec2; 3]>),
 }
 
 impl FaceNodes {
@@ -27,8 +38,7 @@ impl FaceNodes {
             views.push(Viewpoint::new(face.middle_point, face.domain.normal));
             return Self {
                 range: first..first + 1,
-                sites: vec![first as u32; n],
-                middles: None,
+                places: Places::Whole,
             };
         }
         views.extend((0..n).map(|s| face.site_view(s)));
@@ -58,20 +68,46 @@ impl FaceNodes {
         }
         Self {
             range: first..views.len(),
-            sites: (0..n).map(|s| (first + s) as u32).collect(),
-            middles: Some(middles),
+            places: Places::Quadratic {
+                sites: (0..n).map(|s| (first + s) as u32).collect(),
+                middles,
+            },
         }
     }
 
-    /// The nodes and weights that give the quadratic field at frame coordinates `p`.
+    /// Nodes from number `first`, one for each of the triangles `elements`; or for all of them together.
+    pub(super) fn of_elements(elements: Vec<[DVec2; 3]>, is_one: bool, first: usize) -> Self {
+        let (count, places) = match is_one {
+            true => (1, Places::Whole),
+            false => (elements.len(), Places::Elements(elements)),
+        };
+        Self {
+            range: first..first + count,
+            places,
+        }
+    }
+
+    /// The nodes and weights that give the field at frame coordinates `p`.
     pub(super) fn weights(&self, face: &SolveFace, p: DVec2) -> SmallVec<[(u32, f64); 6]> {
+        let first = self.range.start as u32;
+        let (sites, middles) = match &self.places {
+            Places::Whole => return smallvec![(first, 1.0)],
+            Places::Elements(elements) => {
+                // Outside all of them the one that comes nearest.
+                let depth = |t: &[DVec2; 3]| barycentric(*t, p).into_iter().fold(1.0, f64::min);
+                let deepest = (0..elements.len())
+                    .max_by(|&a, &b| depth(&elements[a]).total_cmp(&depth(&elements[b])));
+                return deepest
+                    .map(|e| (first + e as u32, 1.0))
+                    .into_iter()
+                    .collect();
+            }
+            Places::Quadratic { sites, middles } => (sites, middles),
+        };
         let Some((e, b)) = face.locate(p) else {
             return SmallVec::new();
         };
-        let sites = face.mesh.sites[e].map(|s| self.sites[s as usize]);
-        let Some(middles) = &self.middles else {
-            return smallvec![(sites[0], 1.0)];
-        };
+        let sites = face.mesh.sites[e].map(|s| sites[s as usize]);
         let mut weights = SmallVec::new();
         for k in 0..3 {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -83,7 +119,7 @@ impl FaceNodes {
     }
 }
 
-/// Values at all nodes, quadratic in between.
+/// Values at all nodes, and what lies between.
 #[derive(Clone, Copy)]
 pub(super) struct NodalField<'t> {
     pub(super) nodes: &'t [FaceNodes],
@@ -93,13 +129,19 @@ pub(super) struct NodalField<'t> {
 impl NodalField<'_> {
     /// At local site `s` of solve face `f`.
     pub(super) fn at_site(&self, f: usize, s: usize) -> Irradiance {
-        self.values[self.nodes[f].sites[s] as usize]
+        let nodes = &self.nodes[f];
+        match &nodes.places {
+            Places::Quadratic { sites, .. } => self.values[sites[s] as usize],
+            _ => self.values[nodes.range.start],
+        }
     }
 
     /// At the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one node.
     pub(super) fn at_middles(&self, f: usize, e: usize) -> Option<[Irradiance; 3]> {
-        let middles = self.nodes[f].middles.as_ref()?;
-        Some(middles[e].map(|r| self.values[r as usize]))
+        match &self.nodes[f].places {
+            Places::Quadratic { middles, .. } => Some(middles[e].map(|r| self.values[r as usize])),
+            _ => None,
+        }
     }
 
     /// At frame coordinates `p` of `face`, which is solve face `f`.

@@ -1,15 +1,18 @@
-//! The linear system and its solution by Gauss–Seidel sweeps.
+//! The linear system of a solve mesh: its links, and its solution by the solver asked for.
 //!
 //! Unknown is the indirect irradiance at the nodes: the corners and edge midpoints of the solve mesh; between them it is
-//! quadratic. A sweep gathers it from the cells, face by face, and projects what the face then reflects, direct light and
-//! all, onto the face's own cells: no power is lost between the nodes.
+//! quadratic. It is gathered from the cells, face by face, and what the face then reflects, direct light and all, is projected
+//! onto the face's own cells: no power is lost between the nodes.
 
 use super::cells::{CellLight, FaceCells, FaceLight, RADON};
 use super::gather::Oracle;
 use super::nodes::{FaceNodes, NodalField};
-use super::{Gatherer, SolveFace, SolveMesh};
+use super::rows::Rows;
+use super::solvers::{self, Block, Corners, Leaf, Outcome, Parent, Problem, System};
+use super::{Basis, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::quantity::{Irradiance, Radiosity, Rgb};
-use crate::visibility::{Blockers, Viewpoint};
+use crate::visibility::Blockers;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// How often light is reflected.
@@ -24,6 +27,10 @@ pub enum Bounces {
 /// How the solution was reached.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct SolveReport {
+    /// The solver that was at work.
+    pub method: &'static str,
+    /// Why that one.
+    pub reason: String,
     /// Nodes: unknowns a channel.
     pub nodes: usize,
     /// Elements of the solve mesh.
@@ -32,21 +39,33 @@ pub struct SolveReport {
     pub cells: usize,
     /// Links from a node to a cell.
     pub links: usize,
-    /// Largest change of the light in each sweep, relative to the largest radiosity.
+    /// After each sweep or step what it changed or left, relative to the largest radiosity.
     pub residuals: Vec<f64>,
+    /// What one more bounce changes in the end, relative to the largest radiosity.
+    pub residual: f64,
+    /// Times that a face has sent its light, where that was done one by one.
+    pub shots: usize,
+    /// Whether the iteration has come within what was permitted.
+    pub is_settled: bool,
 }
 
-/// A Gauss–Seidel run that needs more sweeps than this has ρ above 0.999; Krylov methods are for that.
-const MAX_SWEEPS: usize = 20_000;
+/// The cells that nodes are linked with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Linking {
+    /// The largest that are good enough.
+    #[default]
+    Hierarchical,
+    /// The smallest: no hierarchy, for comparison.
+    Leaves,
+}
 
-/// What one node sees: cells (numbered through all faces) and the weights of the light at their corners.
-type Row = Vec<(u32, [f64; 3])>;
-
-/// The nodes that the light of one leaf depends on.
-struct Leaf {
-    cell: u32,
-    /// Weights of the indirect irradiance at the nodes for the light at the three corners, before reflection.
-    nodes: Vec<(u32, [f64; 3])>,
+/// How a system is to be solved.
+#[derive(Clone, Copy)]
+pub(super) struct Method {
+    pub(super) solver: Solver,
+    pub(super) bounces: Bounces,
+    /// Permitted error, relative to the largest radiosity.
+    pub(super) tolerance: f64,
 }
 
 /// The links of a solve mesh.
@@ -54,11 +73,7 @@ pub(super) struct Transport {
     /// The cells that it links.
     trees: Vec<FaceCells>,
     nodes: Vec<FaceNodes>,
-    rows: Vec<Row>,
-    /// By face.
-    leaves: Vec<Vec<Leaf>>,
-    /// Number of the first cell of each face.
-    first_cell: Vec<u32>,
+    system: System,
 }
 
 impl Transport {
@@ -69,125 +84,88 @@ impl Transport {
         trees: &[FaceCells],
         blockers: &Blockers,
         oracle: &Oracle,
+        basis: Basis,
         rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
     ) -> Self {
-        let mut views: Vec<Viewpoint> = Vec::new();
-        let nodes: Vec<FaceNodes> = mesh
-            .faces
-            .iter()
-            .map(|face| FaceNodes::new(face, blockers.weld_distance(), &mut views))
-            .collect();
-        let mut first_cell = Vec::with_capacity(trees.len());
-        let mut count = 0;
-        for tree in trees {
-            first_cell.push(count);
-            count += tree.cells.len() as u32;
-        }
-        let owner: Vec<&SolveFace> = mesh
-            .faces
-            .iter()
-            .zip(&nodes)
-            .flat_map(|(face, nodes)| nodes.range.clone().map(move |_| face))
-            .collect();
-        let rows = views
-            .par_iter()
-            .zip(&owner)
-            .map_init(
-                || Gatherer::new(mesh, trees, blockers),
-                |gatherer, (view, face)| {
-                    let mut row = Row::new();
-                    let mut sink = |f: usize, c: usize, w| row.push((first_cell[f] + c as u32, w));
-                    match rays(face) {
-                        Some(n) => gatherer.visit_by_rays(view, face.domain.face, n, &mut sink),
-                        None => gatherer.visit(view, oracle, &mut sink),
-                    }
-                    row
-                },
-            )
-            .collect();
-        let leaves = mesh
-            .faces
-            .par_iter()
-            .zip(trees)
-            .zip(&nodes)
-            .map(|((face, tree), nodes)| {
-                tree.leaves()
-                    .map(|c| Leaf {
-                        cell: c as u32,
-                        nodes: leaf_nodes(face, tree, nodes, c),
-                    })
-                    .collect()
-            })
+        let first_cell = first_cells(trees);
+        let rows = Rows {
+            mesh,
+            trees,
+            blockers,
+            oracle,
+            first_cell: &first_cell,
+        };
+        let (nodes, links) = match basis {
+            Basis::Linear => rows.of_points(rays),
+            Basis::Constant => rows.of_elements(rays),
+        };
+        let blocks = (0..mesh.faces.len())
+            .into_par_iter()
+            .map(|f| block(&mesh.faces[f], &trees[f], &nodes[f], first_cell[f]))
             .collect();
         Self {
             trees: trees.to_vec(),
             nodes,
-            rows,
-            leaves,
-            first_cell,
+            system: System::new(basis, blocks, &links),
         }
     }
 
     /// Number of nodes.
     pub(super) fn node_count(&self) -> usize {
-        self.rows.len()
+        self.system.len()
     }
 
     /// Solves for the indirect irradiance at the nodes, given in `light` what the cells send without it.
     ///
-    /// Sweeps go face by face and end when the error that is left, extrapolated from the last two changes, is below
-    /// `tolerance` (relative to the largest radiosity). `light` then holds what the cells send in the end; the cells may
-    /// have got children since they were linked, which are left alone.
+    /// `light` then holds what the cells send in the end; the cells may have got children since they were linked, which are
+    /// left alone.
+    ///
+    /// # Errors
+    /// [`TooManyUnknowns`] of the dense solver.
     pub(super) fn solve(
         &self,
         mesh: &SolveMesh,
         light: &mut [FaceLight],
-        bounces: Bounces,
-        tolerance: f64,
-    ) -> (Vec<Irradiance>, SolveReport) {
-        let direct: Vec<Vec<CellLight>> = light.iter().map(|l| l.cells.clone()).collect();
-        let mut values = vec![Irradiance::ZERO; self.rows.len()];
-        let mut report = SolveReport {
-            nodes: self.rows.len(),
-            elements: mesh.element_count(),
-            cells: self.trees.iter().map(|t| t.cells.len()).sum(),
-            links: self.rows.iter().map(Vec::len).sum(),
-            residuals: Vec::new(),
+        method: Method,
+    ) -> Result<(Vec<Irradiance>, SolveReport), TooManyUnknowns> {
+        let direct = self.corners(light);
+        let problem = Problem {
+            system: &self.system,
+            direct: &direct,
+            tolerance: method.tolerance,
         };
-        let sweeps = match bounces {
+        let outcome = match method.bounces {
             // The final gather adds one bounce to those in the light of the cells.
-            Bounces::Count(n) => n.saturating_sub(1) as usize,
-            Bounces::All => MAX_SWEEPS,
+            Bounces::Count(n) => solvers::bounces(&problem, n.saturating_sub(1) as usize),
+            Bounces::All => solvers::solve(&problem, method.solver)?,
         };
-        for _ in 0..sweeps {
-            let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-            if bounces != Bounces::All {
-                // Gauss–Seidel reads what this sweep has already updated; counted bounces must not.
-                values = self.gather_all(light);
+        let (sent, largest) = self.system.light_of(&outcome.x, Some(&direct));
+        for ((light, tree), block) in light.iter_mut().zip(&self.trees).zip(self.system.blocks()) {
+            for leaf in &block.leaves {
+                let corners = sent[block.cells.start + leaf.cell as usize];
+                light.cells[leaf.cell as usize] = CellLight::linear(corners.map(radiosity));
             }
-            for f in 0..self.nodes.len() {
-                let reflectance = mesh.faces[f].reflectance;
-                if bounces == Bounces::All {
-                    for i in self.nodes[f].range.clone() {
-                        let new = self.gather(i, light);
-                        let step = reflectance * (new - values[i]).0;
-                        change = change.max(step.0.abs().max_element());
-                        values[i] = new;
-                    }
-                }
-                self.reflect(f, reflectance, &direct[f], &values, light);
-                largest = largest.max(light[f].largest);
-            }
-            let relative = if largest > 0.0 { change / largest } else { 0.0 };
-            let previous = report.residuals.last().copied();
-            if bounces == Bounces::All {
-                report.residuals.push(relative);
-                if is_settled(relative, previous, tolerance) {
-                    break;
-                }
-            }
+            light.pull(tree);
         }
-        (self.gather_all(light), report)
+        let values = self.system.gather_all(&sent);
+        let residual = problem.change(&values, &outcome.x, largest);
+        let report = self.report(mesh, outcome, residual);
+        Ok((values.into_iter().map(irradiance).collect(), report))
+    }
+
+    fn report(&self, mesh: &SolveMesh, outcome: Outcome, residual: f64) -> SolveReport {
+        SolveReport {
+            method: outcome.method.name(),
+            reason: outcome.reason,
+            nodes: self.system.len(),
+            elements: mesh.element_count(),
+            cells: self.system.cell_count(),
+            links: self.system.link_count(),
+            residuals: outcome.residuals,
+            residual,
+            shots: outcome.shots,
+            is_settled: outcome.is_settled && residual.is_finite(),
+        }
     }
 
     /// The values at the nodes as a field over the faces of `mesh`.
@@ -198,49 +176,62 @@ impl Transport {
         }
     }
 
-    /// What the cells of face `f` send when `values` arrives at the nodes.
-    fn reflect(
-        &self,
-        f: usize,
-        reflectance: Rgb,
-        direct: &[CellLight],
-        values: &[Irradiance],
-        light: &mut [FaceLight],
-    ) {
-        for leaf in &self.leaves[f] {
-            let mut corners = direct[leaf.cell as usize].corners;
-            for &(node, weights) in &leaf.nodes {
-                let arriving = reflectance * values[node as usize].0;
-                for (corner, w) in corners.iter_mut().zip(weights) {
-                    *corner += Radiosity(arriving * w);
-                }
-            }
-            light[f].cells[leaf.cell as usize] = CellLight::linear(corners);
-        }
-        light[f].pull(&self.trees[f]);
-    }
-
-    fn gather(&self, node: usize, light: &[FaceLight]) -> Irradiance {
-        let mut sum = Rgb::BLACK;
-        let mut f = 0;
-        for &(cell, weights) in &self.rows[node] {
-            while f + 1 < self.first_cell.len() && self.first_cell[f + 1] <= cell {
-                f += 1;
-            }
-            let corners = &light[f].cells[(cell - self.first_cell[f]) as usize].corners;
-            for (b, w) in corners.iter().zip(weights) {
-                sum += b.0 * w;
-            }
-        }
-        Irradiance(sum)
+    /// The light of all cells that are linked, in one list.
+    fn corners(&self, light: &[FaceLight]) -> Vec<Corners> {
+        let blocks = self.system.blocks().iter().zip(light);
+        blocks
+            .flat_map(|(block, light)| &light.cells[..block.cells.len()])
+            .map(|cell| cell.corners.map(|c| c.0.0))
+            .collect()
     }
 
     /// Indirect irradiance at all nodes from what the cells send.
     pub(super) fn gather_all(&self, light: &[FaceLight]) -> Vec<Irradiance> {
-        (0..self.rows.len())
-            .into_par_iter()
-            .map(|i| self.gather(i, light))
-            .collect()
+        let values = self.system.gather_all(&self.corners(light));
+        values.into_iter().map(irradiance).collect()
+    }
+}
+
+fn irradiance(x: DVec3) -> Irradiance {
+    Irradiance(Rgb(x))
+}
+
+fn radiosity(x: DVec3) -> Radiosity {
+    Radiosity(Rgb(x))
+}
+
+/// Number of the first cell of each tree.
+fn first_cells(trees: &[FaceCells]) -> Vec<usize> {
+    let mut count = 0;
+    let mut first = Vec::with_capacity(trees.len());
+    for tree in trees {
+        first.push(count);
+        count += tree.cells.len();
+    }
+    first
+}
+
+/// What the solvers need to know of a face: how the light at its nodes becomes that of its cells, from number `first`.
+fn block(face: &SolveFace, tree: &FaceCells, nodes: &FaceNodes, first: usize) -> Block {
+    let leaf = |c: usize| Leaf {
+        cell: c as u32,
+        area: tree.cells[c].area,
+        nodes: leaf_nodes(face, tree, nodes, c),
+    };
+    let parents = (0..tree.cells.len()).rev().filter_map(|c| {
+        let cell = &tree.cells[c];
+        Some(Parent {
+            cell: c as u32,
+            child: cell.first_child()? as u32,
+            order: cell.order().map(|k| k as u8),
+        })
+    });
+    Block {
+        nodes: nodes.range.clone(),
+        cells: first..first + tree.cells.len(),
+        reflectance: face.reflectance.0,
+        leaves: tree.leaves().map(leaf).collect(),
+        parents: parents.collect(),
     }
 }
 
@@ -268,16 +259,4 @@ fn leaf_nodes(
         }
     }
     found
-}
-
-/// Changes shrink geometrically by some q: what is left after the last is change · q / (1 − q).
-fn is_settled(change: f64, previous: Option<f64>, tolerance: f64) -> bool {
-    match previous {
-        _ if change == 0.0 => true,
-        Some(previous) if change < previous => {
-            let q = change / previous;
-            change * q / (1.0 - q) <= tolerance
-        }
-        _ => false,
-    }
 }

@@ -12,6 +12,10 @@ use std::f64::consts::PI;
 /// A face with a radius below this share of the solve mesh's spacing has one value.
 const SMALL_SHARE: f64 = 0.25;
 
+/// Links are not asked to be more exact than for light that is reflected so many times over: where less than this is
+/// absorbed, openings decide.
+const LEAST_LOSS: f64 = 1e-4;
+
 /// One side of one face in the solve mesh.
 pub struct SolveFace {
     /// Geometry.
@@ -63,6 +67,12 @@ impl SolveMesh {
     /// Number of elements.
     pub fn element_count(&self) -> usize {
         self.faces.iter().map(|f| f.mesh.elements.len()).sum()
+    }
+
+    /// The share of the light that is lost with each bounce, roughly (never 0: what no surface absorbs leaves by some opening,
+    /// or nothing can be said of it).
+    pub fn loss(&self) -> f64 {
+        (1.0 - self.mean_reflectance()).max(LEAST_LOSS)
     }
 
     /// Area-weighted mean reflectance (largest channel), 0…1.

@@ -60,7 +60,7 @@ mod tests {
         Record {
             scene: "room, small".to_owned(),
             mesh: "adaptive".to_owned(),
-            solver: "gauss-seidel".to_owned(),
+            solver: "hierarchical".to_owned(),
             basis: "linear".to_owned(),
             asked,
             rms: 0.01,

@@ -1,6 +1,7 @@
 //! What is compared: ways to mesh, elements, ways to solve. A new one is a new row.
 
 use crate::adapt::Meshing;
+use crate::radiosity::{self, Solver};
 use crate::settings::Settings;
 
 /// A way to mesh.
@@ -49,8 +50,23 @@ pub struct SolveMethod {
     pub choose: fn(&mut Settings),
 }
 
-/// All ways to solve; the first is the program's own.
-pub const SOLVE_METHODS: [SolveMethod; 1] = [SolveMethod {
-    name: "gauss-seidel",
-    choose: |_| {},
-}];
+/// Ways to solve on the same links, and with constant cells; the first is the program's own. The dense one is left out, as
+/// most scenes are too large for it.
+pub const SOLVE_METHODS: [SolveMethod; 4] = [
+    SolveMethod {
+        name: "hierarchical",
+        choose: |_| {},
+    },
+    SolveMethod {
+        name: "progressive",
+        choose: |settings| settings.solver = Solver::Progressive,
+    },
+    SolveMethod {
+        name: "gmres",
+        choose: |settings| settings.solver = Solver::Gmres,
+    },
+    SolveMethod {
+        name: "constant-cells",
+        choose: |settings| settings.basis = radiosity::Basis::Constant,
+    },
+];

@@ -147,6 +147,8 @@ fn wrong_use_is_told_in_one_line() {
         ("bake --budget time=0", "--budget"),
         ("bake --bounces -1", "--bounces"),
         ("bake --threads 0", "--threads"),
+        ("bake --solver magic", "\"magic\" is no solver"),
+        ("probe --points - --basis cubic", "\"cubic\" is no basis"),
         ("bake --unit mile", "--unit"),
         ("bake --up x", "--up"),
         ("bake --exposure bright", "--exposure"),

@@ -32,13 +32,10 @@ impl IndirectField<'_> {
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
-        let request = &self.request;
-        let (nodes, _) = self.transport.solve(
-            &solution.mesh,
-            &mut light,
-            request.bounces,
-            request.tolerance,
-        );
+        let (nodes, _) = self
+            .transport
+            .solve(&solution.mesh, &mut light, self.request.method())
+            .expect("the same links have been solved before");
         SolutionError { nodes: Some(nodes) }
     }
 

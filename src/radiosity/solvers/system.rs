@@ -1,0 +1,274 @@
+//! The linear system `H = h + T H`: nodes that gather from cells, cells that send what the nodes receive.
+//!
+//! `T` is *reflect* (from the nodes of a face to its smallest cells), *pull* (from those to the larger ones, by the two-scale
+//! relation of the basis) and *gather* (from cells of all sizes to the nodes of other faces). Nothing here knows geometry.
+
+use super::super::Basis;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The light at the three corners of a cell, W/m² in three channels.
+pub(in crate::radiosity) type Corners = [DVec3; 3];
+
+/// What a node receives of the light at the corners of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::radiosity) struct Link {
+    /// Number of the cell through all blocks.
+    pub(in crate::radiosity) cell: u32,
+    pub(in crate::radiosity) weights: [f64; 3],
+}
+
+/// A cell without children.
+#[derive(Clone, Debug)]
+pub(in crate::radiosity) struct Leaf {
+    /// Number within its block.
+    pub(in crate::radiosity) cell: u32,
+    /// Area, m².
+    pub(in crate::radiosity) area: f64,
+    /// Weights of the irradiance at the nodes for the light at the three corners, before reflection.
+    pub(in crate::radiosity) nodes: Vec<(u32, [f64; 3])>,
+}
+
+/// A cell with two children, which follow each other.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::radiosity) struct Parent {
+    /// Numbers within its block.
+    pub(in crate::radiosity) cell: u32,
+    pub(in crate::radiosity) child: u32,
+    /// Its corners a, b, c, of which the children are (a, m, c) and (m, b, c), m the middle of a and b.
+    pub(in crate::radiosity) order: [u8; 3],
+}
+
+/// The nodes and cells of one side of one face. They do not see each other.
+#[derive(Clone, Debug)]
+pub(in crate::radiosity) struct Block {
+    pub(in crate::radiosity) nodes: Range<usize>,
+    pub(in crate::radiosity) cells: Range<usize>,
+    /// Diffuse reflectance by channel.
+    pub(in crate::radiosity) reflectance: DVec3,
+    pub(in crate::radiosity) leaves: Vec<Leaf>,
+    /// From the smallest to the largest.
+    pub(in crate::radiosity) parents: Vec<Parent>,
+}
+
+/// Links of one node with cells of one block.
+#[derive(Clone, Debug)]
+pub(super) struct Run {
+    pub(super) node: u32,
+    /// Among all links.
+    pub(super) links: Range<usize>,
+}
+
+/// Blocks and the links between them.
+#[derive(Clone, Debug)]
+pub(in crate::radiosity) struct System {
+    basis: Basis,
+    pub(super) blocks: Vec<Block>,
+    links: Vec<Link>,
+    /// Where the links of each node start, and where the last ones end.
+    starts: Vec<usize>,
+    cells: usize,
+}
+
+impl System {
+    /// `rows` are the links of each node in the order of the nodes, those with cells of one block beside each other.
+    pub(in crate::radiosity) fn new(basis: Basis, blocks: Vec<Block>, rows: &[Vec<Link>]) -> Self {
+        let mut starts = Vec::with_capacity(rows.len() + 1);
+        starts.push(0);
+        for row in rows {
+            starts.push(starts[starts.len() - 1] + row.len());
+        }
+        Self {
+            basis,
+            cells: blocks.last().map_or(0, |b| b.cells.end),
+            blocks,
+            links: rows.concat(),
+            starts,
+        }
+    }
+
+    /// The blocks, in the order of their nodes and cells.
+    pub(in crate::radiosity) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// Number of nodes: unknowns a channel.
+    pub(in crate::radiosity) fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Number of links.
+    pub(in crate::radiosity) fn link_count(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Number of cells.
+    pub(in crate::radiosity) fn cell_count(&self) -> usize {
+        self.cells
+    }
+
+    /// The links by the block that they take light from: the transposed matrix.
+    pub(super) fn runs(&self) -> Vec<Vec<Run>> {
+        let mut runs: Vec<Vec<Run>> = vec![Vec::new(); self.blocks.len()];
+        for (node, ends) in self.starts.windows(2).enumerate() {
+            let mut first = ends[0];
+            while first < ends[1] {
+                let cell = self.links[first].cell as usize;
+                let b = self.blocks.partition_point(|b| b.cells.end <= cell);
+                let cells = &self.blocks[b].cells;
+                let count = self.links[first..ends[1]]
+                    .iter()
+                    .take_while(|l| cells.contains(&(l.cell as usize)))
+                    .count();
+                runs[b].push(Run {
+                    node: node as u32,
+                    links: first..first + count,
+                });
+                first += count;
+            }
+        }
+        runs
+    }
+
+    /// The largest reflectance of any block and channel.
+    pub(super) fn largest_reflectance(&self) -> f64 {
+        let all = self.blocks.iter().map(|b| b.reflectance.max_element());
+        all.fold(0.0, f64::max)
+    }
+
+    /// The same links between blocks that reflect everything.
+    pub(super) fn white(&self) -> Self {
+        let mut white = self.clone();
+        for block in &mut white.blocks {
+            block.reflectance = DVec3::ONE;
+        }
+        white
+    }
+
+    /// What comes by some links from cells that send `light`, the first of which has number `first`.
+    pub(super) fn gather_from(
+        &self,
+        links: Range<usize>,
+        first: usize,
+        light: &[Corners],
+    ) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for link in &self.links[links] {
+            for (b, w) in light[link.cell as usize - first].iter().zip(link.weights) {
+                sum += *b * w;
+            }
+        }
+        sum
+    }
+
+    /// What arrives at a node from cells that send `light`.
+    pub(super) fn gather(&self, node: usize, light: &[Corners]) -> DVec3 {
+        self.gather_from(self.starts[node]..self.starts[node + 1], 0, light)
+    }
+
+    /// What arrives at every node.
+    pub(in crate::radiosity) fn gather_all(&self, light: &[Corners]) -> Vec<DVec3> {
+        (0..self.len())
+            .into_par_iter()
+            .map(|i| self.gather(i, light))
+            .collect()
+    }
+
+    /// Writes to `light` (the cells of block `b` alone) what they send when `x` arrives at all nodes, on top of `direct`;
+    /// returns its largest absolute value.
+    pub(super) fn send(
+        &self,
+        b: usize,
+        x: &[DVec3],
+        direct: Option<&[Corners]>,
+        light: &mut [Corners],
+    ) -> f64 {
+        let block = &self.blocks[b];
+        let mut largest = 0.0_f64;
+        for leaf in &block.leaves {
+            let cell = leaf.cell as usize;
+            let mut corners = direct.map_or([DVec3::ZERO; 3], |d| d[block.cells.start + cell]);
+            for &(node, weights) in &leaf.nodes {
+                let arriving = block.reflectance * x[node as usize];
+                for (corner, w) in corners.iter_mut().zip(weights) {
+                    *corner += arriving * w;
+                }
+            }
+            for corner in corners {
+                largest = largest.max(corner.abs().max_element());
+            }
+            light[cell] = corners;
+        }
+        self.pull(b, light);
+        largest
+    }
+
+    /// Gives the larger cells of block `b` what its smallest ones send.
+    pub(super) fn pull(&self, b: usize, light: &mut [Corners]) {
+        for parent in &self.blocks[b].parents {
+            let child = parent.child as usize;
+            let [left, right] = [light[child], light[child + 1]];
+            light[parent.cell as usize] = match self.basis {
+                Basis::Linear => projected(left, right, parent.order),
+                // The halves have equal areas.
+                Basis::Constant => [(left[0] + right[0]) * 0.5; 3],
+            };
+        }
+    }
+
+    /// What all cells send when `x` arrives at the nodes, on top of `direct`; and its largest absolute value.
+    pub(in crate::radiosity) fn light_of(
+        &self,
+        x: &[DVec3],
+        direct: Option<&[Corners]>,
+    ) -> (Vec<Corners>, f64) {
+        let parts: Vec<(Vec<Corners>, f64)> = (0..self.blocks.len())
+            .into_par_iter()
+            .map(|b| {
+                let mut light = vec![[DVec3::ZERO; 3]; self.blocks[b].cells.len()];
+                let largest = self.send(b, x, direct, &mut light);
+                (light, largest)
+            })
+            .collect();
+        let largest = parts.iter().map(|p| p.1).fold(0.0, f64::max);
+        let light: Vec<Vec<Corners>> = parts.into_iter().map(|p| p.0).collect();
+        (light.concat(), largest)
+    }
+
+    /// `T x`.
+    pub(super) fn apply(&self, x: &[DVec3]) -> Vec<DVec3> {
+        self.gather_all(&self.light_of(x, None).0)
+    }
+
+    /// A bound of the share of the light that comes back (0…1): the largest row sum of `T`, by which its powers shrink at
+    /// least in the maximum norm, as all its entries are form factors times reflectances.
+    pub(super) fn contraction(&self) -> f64 {
+        let back = self.apply(&vec![DVec3::ONE; self.len()]);
+        let most = back.iter().map(|x| x.max_element()).fold(0.0, f64::max);
+        most.min(LARGEST_CONTRACTION)
+    }
+}
+
+/// Row sums are right to 10⁻⁷ (round-off of cutting): what they say of light that is lost more slowly than ten times that
+/// is noise.
+pub(super) const LARGEST_CONTRACTION: f64 = 1.0 - 1e-6;
+
+/// The linear function over a cell that is nearest to those over its halves, in the mean square.
+///
+/// Over `(a, m, c)` the basis function of `a` is that of `a` and half that of `m`; likewise on the other side. The mass matrix
+/// of the linear basis is `(1 + δ)/12`, its inverse `12 δ − 3`.
+fn projected(left: Corners, right: Corners, order: [u8; 3]) -> Corners {
+    let moments = |t: Corners| {
+        let sum = t[0] + t[1] + t[2];
+        t.map(|x| (x + sum) * (1.0 / 12.0))
+    };
+    let ([la, lm, lc], [rm, rb, rc]) = (moments(left), moments(right));
+    let halved = [la + (lm + rm) * 0.5, rb + (lm + rm) * 0.5, lc + rc].map(|m| m * 0.5);
+    let sum = halved[0] + halved[1] + halved[2];
+    let mut corners = [DVec3::ZERO; 3];
+    for (k, m) in order.into_iter().zip(halved) {
+        corners[k as usize] = m * 12.0 - sum * 3.0;
+    }
+    corners
+}

@@ -1,0 +1,107 @@
+//! Classic radiosity of a room that is known on paper, geometry and all.
+
+use super::cells::{FaceCells, FaceLight, follow_all};
+use super::gather::Oracle;
+use super::solve::{Method, Transport};
+use super::{Basis, Bounces, SolveMesh, Solver};
+use crate::mesh::FaceDomain;
+use crate::quantity::{Radiosity, Rgb};
+use crate::scene::{CleanSettings, FaceSide, Material, RawPolygon, RawScene, Scene, clean};
+use crate::visibility::Blockers;
+use glam::DVec3;
+
+/// A unit cube seen from inside, its first face the ceiling.
+fn cube(rho: f64) -> Scene {
+    let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+    let faces = [
+        [2, 3, 7, 6],
+        [0, 4, 5, 1],
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+    ];
+    let raw = RawScene {
+        source: "cube".to_owned(),
+        positions: (0..8).map(corner).collect(),
+        polygons: faces
+            .map(|corners| RawPolygon {
+                corners: corners.to_vec(),
+                material: 0,
+                group: 0,
+            })
+            .into(),
+        materials: vec![Material {
+            name: "wall".to_owned(),
+            reflectance: Rgb::grey(rho),
+            ..Material::default()
+        }],
+        groups: vec!["cube".to_owned()],
+        ..RawScene::default()
+    };
+    clean(&raw, &CleanSettings::default()).expect("a cube").0
+}
+
+#[test]
+fn one_element_a_face_lights_the_cube() {
+    let text = include_str!("../../fixtures/analytic/cube.txt");
+    for line in text.lines().filter(|l| l.starts_with("cube")) {
+        let words = line.split_whitespace().skip(1);
+        let known: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();
+        let [rho, ceiling, floor, wall] = known[..] else {
+            panic!("{line}");
+        };
+        let scene = cube(rho);
+        let blockers = Blockers::new(&scene);
+        let domains = scene
+            .faces
+            .ids()
+            .map(|f| {
+                let domain = FaceDomain::new(&scene, f, FaceSide::Front, &[], &[], &[]);
+                (domain, Rgb::grey(rho))
+            })
+            .collect();
+        // Wider than the faces: each is one element.
+        let mesh = SolveMesh::new(domains, 2.0).expect("a cube can be meshed");
+        let cells = |f| FaceCells::new(f, mesh.spacing, Basis::Constant);
+        let mut trees: Vec<FaceCells> = mesh.faces.iter().map(cells).collect();
+        let is_up = |f: usize| mesh.faces[f].domain.normal.y < -0.5;
+        let sent: Vec<FaceLight> = follow_all(&mut trees, &mesh.faces, 1.0, 1.0, |f, _| {
+            Radiosity(Rgb::grey(f64::from(u8::from(is_up(f)))))
+        });
+        let oracle = Oracle {
+            light: &sent,
+            ambient: 1.0,
+            link: 0.0,
+            ray: 0.0,
+            skip: 0.0,
+        };
+        let transport =
+            Transport::new(&mesh, &trees, &blockers, &oracle, Basis::Constant, |_| None);
+        for solver in Solver::ALL {
+            let method = Method {
+                solver,
+                bounces: Bounces::All,
+                tolerance: 1e-11,
+            };
+            let mut light = sent.clone();
+            let solved = transport.solve(&mesh, &mut light, method);
+            let (values, report) = solved.expect("six unknowns");
+            assert_eq!(report.nodes, 6);
+            for (f, e) in values.iter().enumerate() {
+                let normal = mesh.faces[f].domain.normal.y;
+                let (own, expected) = match normal {
+                    y if y < -0.5 => (1.0, ceiling),
+                    y if y > 0.5 => (0.0, floor),
+                    _ => (0.0, wall),
+                };
+                let found = own + rho * e.mean();
+                assert!(
+                    (found - expected).abs() <= 1e-9,
+                    "{} at ρ = {rho}: {found} for {expected}",
+                    solver.name()
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,395 @@
+//! Every way to solve for the light between surfaces finds the same, and no power is lost.
+
+use crate::common::bake::{bake, clean, raw, settings, surface_points, world};
+use crate::common::fine_field::{direct_at, solve_mesh};
+use glam::DVec3;
+use rayon::ThreadPoolBuilder;
+use umbrage::io::builtin::cornell_box;
+use umbrage::io::write_glb;
+use umbrage::pipeline::{LightError, Solution, World, light};
+use umbrage::quantity::{Irradiance, Radiance, Rgb};
+use umbrage::radiosity::{
+    Basis, Bounces, IndirectField, Linking, Request, SolveReport, Solver, TooManyUnknowns,
+};
+use umbrage::scene::{Material, RawPolygon, RawScene};
+use umbrage::settings::Settings;
+use umbrage::visibility::{Scratch, Viewpoint};
+
+/// Scenes of all kinds: rooms, open shadows, contacts, slats.
+const FIXTURES: [&str; 10] = [
+    "l-room",
+    "furnace-cornell-r90",
+    "furnace-box-r99",
+    "box-on-table",
+    "square-over-square",
+    "two-emitters",
+    "blocker-touching-floor",
+    "wall-piercing-floor",
+    "crossing-blockers",
+    "emitter-with-hole",
+];
+
+/// What the solution of one fixture is asked for, in parts of the mean light.
+fn request(solution: &Solution, solver: Solver) -> Request {
+    let mean = solution.summary.measured.mean;
+    Request {
+        error: 0.05 * mean,
+        ambient: solution.indirect.as_ref().map_or(0.0, IndirectField::mean),
+        bounces: Bounces::All,
+        tolerance: 1e-6,
+        rays: None,
+        basis: Basis::Linear,
+        linking: Linking::Hierarchical,
+        solver,
+    }
+}
+
+/// Solves anew on a mesh of its own.
+fn solve<'a>(
+    solution: &Solution<'a>,
+    request: Request,
+) -> Result<(IndirectField<'a>, SolveReport), TooManyUnknowns> {
+    let mesh = solve_mesh(solution, 40.0).expect("the scene reflects");
+    let blockers = &solution.world.blockers;
+    IndirectField::solve(mesh, blockers, request, |face, _, p| {
+        direct_at(solution, face, p)
+    })
+}
+
+/// The indirect light at points of all faces.
+fn readings(solution: &Solution, field: &IndirectField) -> Vec<DVec3> {
+    surface_points(solution, 200, 5)
+        .iter()
+        .filter_map(|p| {
+            let f = solution.receivers[p.receiver].solve_face?;
+            Some(field.at(f, p.plane).0.0)
+        })
+        .collect()
+}
+
+fn largest(values: &[DVec3]) -> f64 {
+    values
+        .iter()
+        .map(|v| v.abs().max_element())
+        .fold(0.0, f64::max)
+}
+
+fn difference(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let off: Vec<DVec3> = a.iter().zip(b).map(|(a, b)| *a - *b).collect();
+    largest(&off)
+}
+
+#[test]
+fn all_solvers_agree_on_ten_fixtures() {
+    for name in FIXTURES {
+        let world = world(name);
+        let solution = bake(&world, 0.3, Bounces::All);
+        let bases = match name {
+            "l-room" | "two-emitters" | "furnace-box-r99" => &Basis::ALL[..],
+            _ => &Basis::ALL[..1],
+        };
+        for &basis in bases {
+            let of = |solver| {
+                let request = Request {
+                    basis,
+                    ..request(&solution, solver)
+                };
+                let (field, report) = solve(&solution, request).expect("small enough");
+                assert!(
+                    report.is_settled,
+                    "{name}: {} of {}",
+                    solver.name(),
+                    basis.name()
+                );
+                (readings(&solution, &field), report)
+            };
+            let (known, _) = of(Solver::Lu);
+            for solver in Solver::ALL {
+                let (found, report) = of(solver);
+                // Of the largest radiosity, which direct light is part of.
+                let off = difference(&found, &known) / largest(&known).max(f64::MIN_POSITIVE);
+                assert!(
+                    off <= 1e-5,
+                    "{name}: {} of {} is off by {off:e} ({:?})",
+                    solver.name(),
+                    basis.name(),
+                    report.residuals
+                );
+            }
+        }
+    }
+}
+
+/// RMS over points and channels, W/m².
+fn rms(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| a.distance_squared(*b));
+    (squares.sum::<f64>() / (3 * a.len()) as f64).sqrt()
+}
+
+#[test]
+fn the_hierarchy_is_as_good_as_its_links_are_asked_to_be() {
+    for name in ["l-room", "furnace-cornell-r90", "box-on-table"] {
+        let world = world(name);
+        let solution = bake(&world, 0.3, Bounces::All);
+        let asked = request(&solution, Solver::Lu);
+        let of = |linking, error| {
+            let request = Request {
+                linking,
+                error,
+                ..asked
+            };
+            let (field, report) = solve(&solution, request).expect("small enough");
+            (readings(&solution, &field), report.links)
+        };
+        for error in [asked.error, 0.2 * asked.error] {
+            let (dense, all) = of(Linking::Leaves, error);
+            let (hierarchical, few) = of(Linking::Hierarchical, error);
+            let off = rms(&dense, &hierarchical);
+            eprintln!(
+                "{name}: {few} links for {all}, {:.4} of the error",
+                off / error
+            );
+            assert!(few < all, "{name}: {few} links for {all}");
+            assert!(off <= error, "{name}: off by {off} for {error}");
+        }
+    }
+}
+
+/// A closed room of which all surfaces reflect `rho` and one polygon shines with 1 W/(m² sr).
+fn closed(
+    name: &str,
+    positions: Vec<DVec3>,
+    polygons: Vec<Vec<u32>>,
+    lamp: usize,
+    rho: f64,
+) -> RawScene {
+    let material = |name: &str, radiance| Material {
+        name: name.to_owned(),
+        reflectance: Rgb::grey(rho),
+        emission: Radiance(Rgb::grey(radiance)),
+        ..Material::default()
+    };
+    RawScene {
+        source: name.to_owned(),
+        positions,
+        polygons: polygons
+            .into_iter()
+            .enumerate()
+            .map(|(i, corners)| RawPolygon {
+                corners,
+                material: u32::from(i == lamp),
+                group: 0,
+            })
+            .collect(),
+        materials: vec![material("wall", 0.0), material("lamp", 1.0)],
+        groups: vec!["room".to_owned()],
+        ..RawScene::default()
+    }
+}
+
+/// The inside of a sphere of 4ᵏ · 8 facets, radius 1.
+fn sphere(divisions: u32, rho: f64) -> RawScene {
+    let axes = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
+    let mut triangles = Vec::new();
+    for k in 0..4 {
+        let (a, b) = (axes[k], axes[(k + 1) % 4]);
+        // Counter-clockwise seen from inside.
+        triangles.push([b, a, DVec3::Z]);
+        triangles.push([a, b, DVec3::NEG_Z]);
+    }
+    for _ in 0..divisions {
+        triangles = triangles
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let [x, y, z] = [
+                    (a + b).normalize(),
+                    (b + c).normalize(),
+                    (c + a).normalize(),
+                ];
+                [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+            })
+            .collect();
+    }
+    let index = |i: usize| u32::try_from(3 * i).expect("few triangles");
+    let polygons = (0..triangles.len()).map(|i| (0..3).map(|k| index(i) + k).collect());
+    let polygons: Vec<Vec<u32>> = polygons.collect();
+    closed("sphere", triangles.concat(), polygons, 0, rho)
+}
+
+/// Mean of the channels over random points, and the largest distance from it.
+fn indirect(solution: &Solution) -> (f64, f64) {
+    let field = solution.indirect.as_ref().expect("the room reflects");
+    let mut gatherer = field.gatherer();
+    let found: Vec<f64> = surface_points(solution, 400, 9)
+        .iter()
+        .map(|p| field.gather(&mut gatherer, &p.view(solution)).mean())
+        .collect();
+    let mean = found.iter().sum::<f64>() / found.len() as f64;
+    let off = found.iter().map(|e| (e - mean).abs()).fold(0.0, f64::max);
+    (mean, off)
+}
+
+/// Mean indirect irradiance of a closed room whose surfaces all reflect alike (CIE 171:2006, sphere theory), W/m².
+fn sphere_theory(solution: &Solution, rho: f64) -> f64 {
+    let area: f64 = solution.receivers.iter().map(|r| r.area()).sum();
+    let flux: f64 = solution
+        .direct
+        .polygons
+        .iter()
+        .map(|lamp| {
+            let c = &lamp.corners;
+            let twice: DVec3 = (0..c.len()).map(|i| c[i].cross(c[(i + 1) % c.len()])).sum();
+            lamp.exitance.mean() * 0.5 * twice.length()
+        })
+        .sum();
+    flux * rho / (area * (1.0 - rho))
+}
+
+#[test]
+fn the_inside_of_a_sphere_is_lit_evenly() {
+    for (basis, rho) in [(Basis::Linear, 0.5), (Basis::Constant, 0.8)] {
+        let world = clean(&sphere(2, rho));
+        let settings = Settings {
+            basis,
+            ..settings(0.05, Bounces::All)
+        };
+        let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
+        let (mean, off) = indirect(&solution);
+        let known = sphere_theory(&solution, rho);
+        eprintln!("{}: {mean} for {known}, within {off}", basis.name());
+        assert!((mean / known - 1.0).abs() < 0.01, "{mean} for {known}");
+        // Facets are not the sphere: what they send each other is uneven by their width.
+        assert!(off < 0.05 * known, "{off} about {mean}");
+    }
+}
+
+#[test]
+fn a_box_room_has_the_mean_of_sphere_theory() {
+    for rho in [0.2, 0.5, 0.8, 0.95] {
+        let corner = |i: u32| {
+            DVec3::new(
+                f64::from(i & 1) * 4.0,
+                f64::from(i >> 1 & 1) * 3.0,
+                f64::from(i >> 2) * 3.0,
+            )
+        };
+        let polygons: Vec<Vec<u32>> = [
+            [2, 3, 7, 6], // the ceiling shines
+            [0, 4, 5, 1],
+            [0, 1, 3, 2],
+            [4, 6, 7, 5],
+            [0, 2, 6, 4],
+            [1, 5, 7, 3],
+        ]
+        .map(Vec::from)
+        .into();
+        let raw = closed("box", (0..8).map(corner).collect(), polygons, 0, rho);
+        let world = clean(&raw);
+        let solution = bake(&world, 0.01, Bounces::All);
+        let (mean, _) = indirect(&solution);
+        let known = sphere_theory(&solution, rho);
+        assert!(
+            (mean / known - 1.0).abs() < 0.01,
+            "ρ = {rho}: {mean} for {known}"
+        );
+    }
+}
+
+/// The room of a furnace with another reflectance: everywhere B = 1 W/m².
+fn furnace(name: &str, rho: f64) -> World {
+    let mut raw = raw(name);
+    for material in &mut raw.materials {
+        material.reflectance = Rgb::grey(rho);
+        material.emission = Radiance(Rgb::grey((1.0 - rho) / std::f64::consts::PI));
+    }
+    clean(&raw)
+}
+
+#[test]
+fn furnaces_that_lose_next_to_nothing_take_few_steps() {
+    for name in ["furnace-box-r99", "furnace-l-room-r99"] {
+        let rho = 0.9999;
+        let world = furnace(name, rho);
+        let solution = bake(&world, 0.01, Bounces::All);
+        let solve = &solution.summary.solve;
+        eprintln!(
+            "{name}: {} steps of {}",
+            solve.residuals.len(),
+            solve.method
+        );
+        assert_eq!(solve.method, "gmres", "{name}: {}", solve.reason);
+        assert!(solve.residuals.len() <= 60, "{name}: {:?}", solve.residuals);
+        let (mut scratch, field) = (Scratch::default(), solution.indirect.as_ref());
+        let field = field.expect("the room reflects");
+        let mut gatherer = field.gatherer();
+        for p in surface_points(&solution, 200, 3) {
+            let view: Viewpoint = p.view(&solution);
+            let direct: Irradiance = solution.direct.irradiance(&view, &mut scratch);
+            let arriving = direct + field.gather(&mut gatherer, &view);
+            let b = 1.0 - rho + rho * arriving.mean();
+            assert!(
+                (b - 1.0).abs() <= 1e-3,
+                "{name}: {b} W/m² at {}",
+                view.position
+            );
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_byte_of_any_solver() {
+    let world = world("l-room");
+    for (solver, basis) in Solver::ALL
+        .map(|s| (s, Basis::Linear))
+        .into_iter()
+        .chain([(Solver::Hierarchical, Basis::Constant)])
+    {
+        let bytes = |threads| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            let settings = Settings {
+                solver,
+                basis,
+                ..settings(0.2, Bounces::All)
+            };
+            pool.expect("threads can be started").install(|| {
+                let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
+                assert!(solution.summary.solve.is_settled);
+                write_glb(&solution.lit_scene())
+            })
+        };
+        let (one, three) = (bytes(1), bytes(3));
+        assert!(one == three, "{} of {}", solver.name(), basis.name());
+    }
+}
+
+#[test]
+fn light_that_nothing_absorbs_is_refused() {
+    let mut raw = raw("furnace-box-r99");
+    for material in &mut raw.materials {
+        material.reflectance = Rgb::grey(1.0);
+        material.emission = Radiance(Rgb::grey(1.0));
+    }
+    let world = clean(&raw);
+    let refused = light(&world, &settings(0.1, Bounces::All), &mut |_, _| {});
+    let Err(LightError::Input(refused)) = refused else {
+        panic!("not refused");
+    };
+    let text = refused.to_string();
+    assert!(text.contains("lower the reflectances"), "{text}");
+}
+
+#[test]
+fn too_many_unknowns_for_a_dense_matrix_are_refused() {
+    let world = clean(&cornell_box());
+    let settings = Settings {
+        solver: Solver::Lu,
+        ..settings(1e-6, Bounces::All)
+    };
+    // Told before the display mesh is made, which would take minutes.
+    let Err(LightError::Input(refused)) = light(&world, &settings, &mut |_, _| {}) else {
+        panic!("not refused");
+    };
+    let text = refused.to_string();
+    assert!(text.contains("limit 5000"), "{text}");
+    assert!(text.contains("--solver gmres"), "{text}");
+}

@@ -292,6 +292,11 @@ fn a_box_room_has_the_mean_of_sphere_theory() {
             (mean / known - 1.0).abs() < 0.01,
             "ρ = {rho}: {mean} for {known}"
         );
+        let energy = solution.summary.energy.as_ref().expect("all bounces");
+        assert!(
+            energy.is_balanced && energy.escaped_w == [0.0; 3],
+            "{energy:?}"
+        );
     }
 }
 
@@ -354,12 +359,76 @@ fn threads_change_no_byte_of_any_solver() {
             pool.expect("threads can be started").install(|| {
                 let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
                 assert!(solution.summary.solve.is_settled);
-                write_glb(&solution.lit_scene())
+                (write_glb(&solution.lit_scene()), solution.summary.energy)
             })
         };
         let (one, three) = (bytes(1), bytes(3));
         assert!(one == three, "{} of {}", solver.name(), basis.name());
     }
+}
+
+#[test]
+fn power_is_neither_lost_nor_made() {
+    let error = 0.03;
+    let mut worlds: Vec<World> = FIXTURES.map(world).into();
+    worlds.push(clean(&cornell_box()));
+    for world in &worlds {
+        for bounces in [Bounces::All, Bounces::Count(0)] {
+            let solution = bake(world, error, bounces);
+            let energy = solution.summary.energy.as_ref().expect("an account");
+            eprintln!(
+                "{} {bounces:?}: off by {:.3} %",
+                world.scene.source,
+                100.0 * energy.imbalance
+            );
+            assert!(energy.is_balanced, "{}: {energy:?}", world.scene.source);
+            assert_eq!(energy.is_balanced, energy.imbalance.abs() <= error);
+        }
+    }
+}
+
+#[test]
+fn light_that_is_made_up_shows_in_the_account() {
+    let world = clean(&cornell_box());
+    let mut solution = bake(&world, 0.02, Bounces::All);
+    assert!(solution.energy().expect("an account").is_balanced);
+    for receiver in &mut solution.receivers {
+        for e in &mut receiver.indirect {
+            *e = *e * 1.2;
+        }
+    }
+    let energy = solution.energy().expect("an account");
+    assert!(
+        !energy.is_balanced && energy.imbalance < -0.05,
+        "{energy:?}"
+    );
+    assert!(
+        bake(&world, 0.2, Bounces::Count(2))
+            .summary
+            .energy
+            .is_none()
+    );
+}
+
+#[test]
+fn what_misses_a_square_escapes() {
+    // Unit squares 1 m apart: 0.1998248957 of the lamp's light meets the other one.
+    let mut positions = Vec::new();
+    for y in [0.0, 1.0] {
+        for (x, z) in [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)] {
+            positions.push(DVec3::new(x, y, z));
+        }
+    }
+    let polygons = vec![vec![0, 1, 2, 3], vec![7, 6, 5, 4]];
+    let mut raw = closed("two squares", positions, polygons, 1, 0.0);
+    raw.materials[0].reflectance = Rgb::BLACK;
+    let world = clean(&raw);
+    let solution = bake(&world, 0.01, Bounces::All);
+    let energy = solution.summary.energy.as_ref().expect("an account");
+    let share = energy.escaped_w[0] / energy.emitted_w[0];
+    assert!((share - (1.0 - 0.199_824_895_7)).abs() < 2e-3, "{share}");
+    assert!((energy.emitted_w[0] - std::f64::consts::PI).abs() < 1e-12);
+    assert!(energy.is_balanced, "{energy:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::options;
 use std::fmt::Write;
 use umbrage::budget::peak_bytes;
-use umbrage::pipeline::{Solution, Summary, World};
+use umbrage::pipeline::{Energy, Solution, Summary, World};
 use umbrage::radiosity::SolveReport;
 use umbrage::render::LightUnit;
 use umbrage::report::LightStatistics;
@@ -102,6 +102,9 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
             ),
         );
     }
+    if let Some(energy) = &s.energy {
+        rows.add("energy", balance(energy));
+    }
     let total: f64 = s.stages.iter().map(|t| t.seconds).sum();
     let stages: Vec<String> = s
         .stages
@@ -137,6 +140,27 @@ fn steps(s: &SolveReport) -> String {
         0 => count(s.residuals.len(), "step"),
         shots => count(shots, "shot"),
     }
+}
+
+/// Power by where it goes, mean of the channels.
+fn balance(energy: &Energy) -> String {
+    let watts = |w: [f64; 3]| significant(w.iter().sum::<f64>() / 3.0);
+    let mut text = format!(
+        "{} W emitted, {} absorbed, {} escaped",
+        watts(energy.emitted_w),
+        watts(energy.absorbed_w),
+        watts(energy.escaped_w)
+    );
+    if energy.unfollowed_w.iter().any(|&w| w > 0.0) {
+        let _ = write!(text, ", {} not followed", watts(energy.unfollowed_w));
+    }
+    let word = if energy.is_balanced {
+        ""
+    } else {
+        ": more than the error asked for"
+    };
+    let _ = write!(text, "; off by {}{word}", percent(energy.imbalance.abs()));
+    text
 }
 
 #[derive(Default)]

@@ -2,6 +2,7 @@
 
 mod conform;
 mod convergence;
+mod energy;
 mod estimate;
 mod exposure;
 mod indirect;
@@ -16,6 +17,7 @@ mod summary;
 pub use convergence::{
     ConvergenceRow, convergence, convergence_csv, convergence_slope, meshing_name,
 };
+pub use energy::Energy;
 pub use estimate::ErrorEstimate;
 pub use lines::{LineCount, LineRecord, kind_name, line_records, order_number};
 pub use measure::Measured;
@@ -425,6 +427,11 @@ impl Solution<'_> {
         let (sites, figures) = estimate::estimate(self);
         self.site_errors = Some(sites);
         self.summary.error_at_vertices = Some(figures);
+    }
+
+    /// Where the power goes; none for counted bounces but zero.
+    pub fn energy(&self) -> Option<Energy> {
+        energy::energy(self)
     }
 
     /// The meshes with their light, neighbours sharing their vertices, ready to be written.

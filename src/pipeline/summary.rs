@@ -1,7 +1,7 @@
 //! Counts, times and errors of one run, for people and machines.
 
 use super::lines::{line_counts, line_records};
-use super::{ErrorEstimate, LineCount, Measured, Solution};
+use super::{Energy, ErrorEstimate, LineCount, Measured, Solution};
 use crate::adapt::AdaptReport;
 use crate::budget::peak_bytes;
 use crate::discontinuity::SearchReport;
@@ -68,6 +68,8 @@ pub struct Summary {
     pub adapt: AdaptReport,
     /// How the indirect light was solved.
     pub solve: SolveReport,
+    /// Where the power goes; none for counted bounces but zero.
+    pub energy: Option<Energy>,
     /// RMS of what each correction of the solution by its own residual changed, relative to the mean: an estimate of the error
     /// that it mended.
     pub corrections: Vec<f64>,
@@ -137,6 +139,7 @@ impl Summary {
         } else {
             0.0
         };
+        self.energy = solution.energy();
         self.left_out(solution);
     }
 

@@ -60,7 +60,11 @@ fn a_furnace_shows_one_everywhere_whatever_shows_it() {
     assert!(found.has_indirect);
     for r in &found.records {
         assert!(r.rms < 1e-3, "{r:?}");
-        assert!(r.work.links > 0 && r.solver == SOLVE_METHODS[0].name);
+        assert!(r.work.links > 0, "{r:?}");
+    }
+    for method in SOLVE_METHODS {
+        let rows = found.records.iter().filter(|r| r.solver == method.name);
+        assert!(rows.count() >= 2, "{}", method.name);
     }
     assert!((found.mean - 1.0).abs() < 1e-3, "{}", found.mean);
 }

@@ -46,7 +46,7 @@ mod metamorphic;
 mod references;
 mod robust;
 mod smooth;
-mod soup;
 mod solvers;
+mod soup;
 mod textures;
 mod traced;

@@ -274,7 +274,9 @@ fn refining_where_the_error_is_restores_the_order_at_edges() {
     for target in [8e-3, 2e-3, 5e-4] {
         // As a bake does it: what the finer field reflects corrects the solution.
         for _ in 0..2 {
-            field.refine(target, |_| true).expect("a cube can be meshed");
+            field
+                .refine(target, |_| true)
+                .expect("a cube can be meshed");
             field.correct(|face, _, p| case.direct(face, p));
         }
         let [_, between] = case.errors(&field, &near);

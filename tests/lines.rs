@@ -1,6 +1,6 @@
 //! The lines that the search finds, held against closed forms.
 
-mod cities;
+pub(crate) mod cities;
 mod growth;
 mod measure;
 mod segment;

@@ -16,6 +16,7 @@
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `manufactured`: a solution that was chosen is found, and how fast.
 //! - `metamorphic`: what must not change when the scene is turned, moved, scaled or reordered.
+//! - `punctual`: lights without a surface.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 //! - `robust`: broken files are read, or refused in one line.
 //! - `smooth`: facets of a curved surface are lit as the surface is, and do not show.
@@ -43,6 +44,7 @@ mod layering;
 mod lines;
 mod manufactured;
 mod metamorphic;
+mod punctual;
 mod references;
 mod robust;
 mod smooth;

@@ -1,9 +1,10 @@
 //! The emitters as convex polygons, and the exact irradiance from all of them.
 
 use super::form_factor_of_directions;
+use super::punctual::{irradiance_by, unoccluded_by};
 use crate::geom::Plane;
 use crate::quantity::{Exitance, Irradiance};
-use crate::scene::{EmitterId, FaceId, FaceSide, Scene};
+use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
 use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -95,6 +96,8 @@ pub struct DirectLight<'a> {
     pub blockers: &'a Blockers,
     /// Convex pieces of all emitters.
     pub polygons: Vec<EmitterPolygon>,
+    /// Lights without a surface, local.
+    pub lights: Vec<PunctualLight>,
 }
 
 impl<'a> DirectLight<'a> {
@@ -119,7 +122,11 @@ impl<'a> DirectLight<'a> {
                 });
             }
         }
-        Self { blockers, polygons }
+        Self {
+            blockers,
+            polygons,
+            lights: scene.lights.clone(),
+        }
     }
 
     /// Irradiance at `view` from one emitter as if nothing hid it, W/m².
@@ -145,6 +152,9 @@ impl<'a> DirectLight<'a> {
         for e in emitters {
             sum += self.unoccluded_from(e, view, scratch);
         }
+        for light in &self.lights {
+            sum += unoccluded_by(light, view);
+        }
         sum
     }
 
@@ -155,6 +165,9 @@ impl<'a> DirectLight<'a> {
         for polygon in &self.polygons {
             let f = visible_factor(polygon, self.blockers, view, scratch);
             sum += Irradiance(polygon.exitance.0 * f.max(0.0));
+        }
+        for light in &self.lights {
+            sum += irradiance_by(light, self.blockers, view);
         }
         sum
     }

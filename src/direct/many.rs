@@ -5,6 +5,7 @@
 
 use super::DirectLight;
 use super::emitters::{EmitterPolygon, unoccluded_factor, visible_factor};
+use super::punctual::irradiance_by;
 use crate::quantity::Irradiance;
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
@@ -48,6 +49,9 @@ impl DirectLight<'_> {
             };
             sum += Irradiance(p.polygon.exitance.0 * factor.max(0.0));
         }
+        for light in &self.lights {
+            sum += irradiance_by(light, self.blockers, view);
+        }
         sum
     }
 
@@ -56,6 +60,9 @@ impl DirectLight<'_> {
         let mut sum = Irradiance::ZERO;
         for p in self.prospects(view, scratch) {
             sum += Irradiance(p.polygon.exitance.0 * self.factor_by_ray(&p, view));
+        }
+        for light in &self.lights {
+            sum += irradiance_by(light, self.blockers, view);
         }
         sum
     }

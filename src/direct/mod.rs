@@ -1,8 +1,10 @@
-//! Exact light straight from the emitters.
+//! Exact light straight from the emitters: faces that shine, and lights without a surface.
 
 mod emitters;
 mod irradiance;
 mod many;
+mod punctual;
 
 pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};
+pub use punctual::{cone_cosines, unoccluded_by};

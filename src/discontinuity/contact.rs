@@ -143,7 +143,11 @@ fn contacts(
 }
 
 /// The stretch of a segment (in the part's plane) inside a convex part; none when it is no longer than the weld distance.
-fn clip_to_part(blockers: &Blockers, part: &Part, ends: [DVec3; 2]) -> Option<[DVec3; 2]> {
+pub(super) fn clip_to_part(
+    blockers: &Blockers,
+    part: &Part,
+    ends: [DVec3; 2],
+) -> Option<[DVec3; 2]> {
     let corners = blockers.corners(part);
     let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
     for (i, &a) in corners.iter().enumerate() {

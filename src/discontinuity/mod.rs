@@ -4,7 +4,8 @@
 //! ones – an emitter vertex past a blocker edge (VE), an emitter edge past a blocker vertex (EV), a blocker vertex past
 //! another blocker's edge (NVE) –, the quadrics of three edges (EEE), the emitter's own horizon, the planes of faces that
 //! cut an emitter, and the lines where faces touch or pierce a receiver, and follows each to the receivers that light
-//! really reaches along it. Vertices look for edges along the cone of their sight lines, and the rays of wedges that touch
+//! really reaches along it. Of a light without a surface ([`crate::scene::PunctualLight`]) the edges of all shadows are
+//! lines of order 0, and the rims of a spot's cone lines of higher order. Vertices look for edges along the cone of their sight lines, and the rays of wedges that touch
 //! a further edge lead to the quadrics: what no sight line joins is never compared. An [`Outline`] tells which features a
 //! point sees, and [`check_outlines`] by them whether a line was missed.
 //!
@@ -24,6 +25,7 @@ mod horizon;
 mod merge;
 mod nve;
 mod outline;
+mod punctual;
 mod span;
 mod strength;
 mod trace;
@@ -69,7 +71,7 @@ impl Default for LineTolerance {
 /// What jumps across a line: the derivative of this order of the irradiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DiscontinuityOrder {
-    /// The value (contact).
+    /// The value (contact; the shadow of a light without a surface).
     D0,
     /// The slope (emitter edge and blocker edge in one plane; horizon; blocker seen edge-on).
     D1,
@@ -109,6 +111,10 @@ pub enum Cause {
     Face(FaceId),
     /// The plane of the emitter.
     EmitterPlane,
+    /// A light without a surface (its number) and an edge of a blocker.
+    LightEdge(u32, EdgeId),
+    /// The cone of a spot light (its number).
+    Cone(u32),
 }
 
 /// A line on one side of a face across which the direct light breaks.
@@ -145,7 +151,7 @@ pub struct Arc {
 /// All lines of one side of one face.
 #[derive(Clone, Debug, Default)]
 pub struct FaceLines {
-    /// D0 lines that the mesh has to hold because the value jumps there.
+    /// D0 lines that the mesh has to hold because the value jumps there: contacts, and shadows of lights without a surface.
     pub contacts: Vec<Discontinuity>,
     /// Candidates of higher order; a line is inserted when its elements need it.
     pub candidates: Vec<Discontinuity>,
@@ -273,6 +279,12 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
     }
     for s in contact::find(scene, light) {
         lines[slot(s.face, s.side)].contacts.push(s);
+    }
+    for s in punctual::shadows(scene, light) {
+        lines[slot(s.face, s.side)].contacts.push(s);
+    }
+    for s in punctual::cones(scene, light, tolerance.chord) {
+        lines[slot(s.face, s.side)].candidates.push(s);
     }
     for (below, above) in contact::covers(scene, blockers) {
         for side in [FaceSide::Front, FaceSide::Back] {

@@ -15,6 +15,12 @@ impl LitSpans {
         self.0.is_empty()
     }
 
+    /// From the first to the last lit parameter.
+    pub(super) fn hull(&self) -> (f64, f64) {
+        let first = self.0.first().map_or(0.0, |s| s.0);
+        (first, self.0.last().map_or(first, |s| s.1))
+    }
+
     /// True when `s` lies in an interval or at one of its ends.
     pub(super) fn holds(&self, s: f64) -> bool {
         self.0.iter().any(|&(a, b)| a <= s && s <= b)

@@ -42,9 +42,25 @@ impl Traced {
 /// VE: rays from the emitter vertex (apex) graze the blocker edge (rim) and land on the first face behind it.
 pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Traced {
     // Most wedges end before the rim: what lies behind it need not be known.
-    let behind = || below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
+    let behind = |lit: &LitSpans| behind_rim(wedge, lit, scene, blockers);
     let ray = |s| (wedge.apex, wedge.rim_at(s));
-    from_emitter(wedge, LitSpans::whole(), scene, blockers, behind, ray)
+    let lit = LitSpans::whole();
+    from_emitter(wedge, (lit, true), scene, blockers, behind, ray)
+}
+
+/// VE where a light without a surface stands in for the vertex. What lies within the weld distance of it hides nothing.
+pub(super) fn past_edge_from_light(
+    wedge: &Wedge,
+    scene: &Scene,
+    blockers: &Blockers,
+) -> Vec<Landing> {
+    let mut lit = LitSpans::whole();
+    hide_before_rim(wedge, &mut lit, true, scene, blockers);
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let behind = behind_rim(wedge, &lit, scene, blockers);
+    land(scene, &lit, &behind, |s| wedge.ray_past_rim(s))
 }
 
 /// EV: rays from the emitter edge (rim) graze the blocker vertex (apex) and land on the first face behind it.
@@ -56,27 +72,27 @@ pub(super) fn past_vertex(
     scene: &Scene,
     blockers: &Blockers,
 ) -> Traced {
-    let behind = || wedge.sections_beyond(scene, blockers);
+    let behind = |lit: &LitSpans| wedge.sections_beyond(scene, blockers, lit.hull());
     let ray = |s| (wedge.rim_at(s), wedge.apex);
-    from_emitter(wedge, lit, scene, blockers, behind, ray)
+    from_emitter(wedge, (lit, false), scene, blockers, behind, ray)
 }
 
-/// Rays of a wedge that starts on the emitter: what is `lit` of it goes past the faces between apex and rim, and lands on those
+/// Rays of a wedge that starts on the emitter, at its apex (within the weld distance of which nothing hides) or at its rim: what is
+/// `lit` of it goes past the faces between apex and rim, and lands on those
 /// `behind`.
 fn from_emitter(
     wedge: &Wedge,
-    mut lit: LitSpans,
+    (mut lit, is_source_the_apex): (LitSpans, bool),
     scene: &Scene,
     blockers: &Blockers,
-    behind: impl FnOnce() -> Vec<Section>,
+    behind: impl FnOnce(&LitSpans) -> Vec<Section>,
     ray: impl Fn(f64) -> (DVec3, DVec3),
 ) -> Traced {
-    let before = wedge.sections_before_rim(scene, blockers);
-    hide(&mut lit, &before, wedge.rim_slack);
+    let before = hide_before_rim(wedge, &mut lit, is_source_the_apex, scene, blockers);
     if lit.is_empty() {
         return Traced::default();
     }
-    let behind = behind();
+    let behind = behind(&lit);
     let mut traced = Traced {
         landings: land(scene, &lit, &behind, ray),
         touches: Vec::new(),
@@ -84,6 +100,42 @@ fn from_emitter(
     touch(wedge, &lit, &before, &[], &mut traced.touches);
     touch(wedge, &lit, &behind, &behind, &mut traced.touches);
     traced
+}
+
+/// Takes what lies before the rim from `lit`, and returns it unless nothing is left. Most wedges end here: the rest of the faces
+/// is not looked at then. Where all rays come from the apex, what lies within the weld distance of it hides nothing.
+fn hide_before_rim(
+    wedge: &Wedge,
+    lit: &mut LitSpans,
+    is_source_the_apex: bool,
+    scene: &Scene,
+    blockers: &Blockers,
+) -> Vec<Section> {
+    let mut found: Vec<(u32, Section)> = Vec::new();
+    let region = wedge.region_before_rim(blockers.weld_distance());
+    blockers.query(&region, |i| {
+        if lit.is_empty() {
+            return;
+        }
+        let Some(section) = wedge.section_ahead(scene, blockers, blockers.part(i)) else {
+            return;
+        };
+        if is_source_the_apex && wedge.is_at_source(&section) {
+            return;
+        }
+        if let Some((from, to)) = range_above(&section, 1.0 + wedge.rim_slack) {
+            lit.remove(from, to);
+        }
+        found.push((i, section));
+    });
+    found.sort_unstable_by_key(|f| f.0);
+    found.into_iter().map(|f| f.1).collect()
+}
+
+/// What the lit rays meet behind the rim or on it.
+fn behind_rim(wedge: &Wedge, lit: &LitSpans, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
+    let sections = wedge.sections_behind_rim(scene, blockers, lit.hull());
+    below_rim(sections, wedge.rim_slack)
 }
 
 /// NVE: rays that graze a vertex (apex) and an edge of another blocker (rim), come from the inside of an emitter, and
@@ -98,13 +150,12 @@ pub(super) fn past_both(
     scene: &Scene,
     blockers: &Blockers,
 ) -> Traced {
-    let before = wedge.sections_before_rim(scene, blockers);
-    hide(&mut lit, &before, wedge.rim_slack);
+    let before = hide_before_rim(wedge, &mut lit, false, scene, blockers);
     if lit.is_empty() {
         return Traced::default();
     }
-    let ahead = || below_rim(wedge.sections_ahead(scene, blockers), wedge.rim_slack);
-    let beyond = || wedge.sections_beyond(scene, blockers);
+    let ahead = || behind_rim(wedge, &lit, scene, blockers);
+    let beyond = || wedge.sections_beyond(scene, blockers, lit.hull());
     let towards = if is_emitter_ahead { ahead() } else { beyond() };
     let (own, nearer) = parted(scene, towards, emitter);
     let mut out = Traced::default();

@@ -55,6 +55,8 @@ pub(super) struct Wedge {
     pub(super) plane: Plane,
     /// Length of the cross product of the rim's ends relative to the apex: twice the triangle's area.
     normal_length: f64,
+    /// Where all rays are parallel, the way from the source (`w = 2`) to the rim; the apex is no point then.
+    parallel: Option<DVec3>,
     /// In units of w: what lies within the weld distance of the rim is on it.
     pub(super) rim_slack: f64,
 }
@@ -85,9 +87,10 @@ pub(super) struct Section {
 }
 
 /// A segment in a wedge's plane: its ends, each with what it lies on.
-struct Cut {
-    ends: [(DVec3, Mark); 2],
-    face: Option<FaceId>,
+pub(super) struct Cut {
+    pub(super) ends: [(DVec3, Mark); 2],
+    /// As in [`Section`].
+    pub(super) face: Option<FaceId>,
 }
 
 impl Section {
@@ -127,8 +130,48 @@ impl Wedge {
             rim_vertices,
             plane: Plane::new(apex, cross.normalize()),
             normal_length: cross.length(),
+            parallel: None,
             rim_slack: weld_distance / nearest,
         })
+    }
+
+    /// Rays in one direction past a rim. `way` is as long as anything in the scene, so that slacks mean the same as in fans:
+    /// `w` falls by one along it. None when the rim runs along the rays within the weld distance.
+    pub(super) fn parallel(
+        way: DVec3,
+        rim: [DVec3; 2],
+        ends: [VertexId; 2],
+        tol: f64,
+    ) -> Option<Self> {
+        let cross = way.cross(rim[1] - rim[0]);
+        if cross.length() <= tol * way.length() {
+            return None;
+        }
+        let apex = rim[0] - way;
+        Some(Self {
+            apex,
+            generator: Apex::Point(apex),
+            rim,
+            rim_vertices: Some(ends),
+            plane: Plane::new(rim[0], cross.normalize()),
+            normal_length: cross.length(),
+            parallel: Some(way),
+            rim_slack: tol / way.length(),
+        })
+    }
+
+    /// The ray that passes the rim at `s`: a point before it, and the point on it.
+    pub(super) fn ray_past_rim(&self, s: f64) -> (DVec3, DVec3) {
+        let through = self.rim_at(s);
+        (
+            self.parallel.map_or(self.apex, |way| through - way),
+            through,
+        )
+    }
+
+    /// True when a section lies within the weld distance of the point that all rays come from.
+    pub(super) fn is_at_source(&self, section: &Section) -> bool {
+        self.parallel.is_none() && section.w0.min(section.w1) * self.rim_slack >= 1.0
     }
 
     fn rim_point(&self, s: f64) -> DVec3 {
@@ -158,46 +201,87 @@ impl Wedge {
         )
     }
 
-    /// The half-spaces that hold the rays towards the rim (`sign` 1) or beyond the apex (−1), and a box around them.
-    fn region(&self, slack: f64, sign: f64, bounds: (DVec3, DVec3)) -> Region {
+    /// The half-spaces that hold the rays towards a stretch of the rim (`sign` 1) or beyond the apex (−1), and a box around them.
+    fn region(&self, slack: f64, sign: f64, bounds: (DVec3, DVec3), stretch: (f64, f64)) -> Region {
         let mut planes = SmallVec::new();
         let n = self.plane.normal;
         planes.push(Plane::new(self.apex - n * slack, n));
         planes.push(Plane::new(self.apex + n * slack, -n));
-        let [a, b] = self.rim.map(|r| (r - self.apex).normalize() * sign);
-        planes.push(Plane::new(self.apex - n.cross(a) * slack, n.cross(a)));
-        planes.push(Plane::new(self.apex - b.cross(n) * slack, b.cross(n)));
+        let along = |r: DVec3| self.parallel.unwrap_or(r - self.apex).normalize() * sign;
+        let rim = [self.rim_at(stretch.0), self.rim_at(stretch.1)];
+        let [a, b] = rim.map(along);
+        let [p, q] = self.parallel.map_or([self.apex; 2], |_| rim);
+        planes.push(Plane::new(p - n.cross(a) * slack, n.cross(a)));
+        planes.push(Plane::new(q - b.cross(n) * slack, b.cross(n)));
         Region { planes, bounds }
     }
 
     /// Sections with the faces near the triangle of apex and rim: all that can lie before the rim.
     pub(super) fn sections_before_rim(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
-        let pad = DVec3::splat(blockers.weld_distance());
+        let region = self.region_before_rim(blockers.weld_distance());
+        self.sections_in(scene, blockers, &region).front
+    }
+
+    /// What holds the triangle of apex and rim.
+    pub(super) fn region_before_rim(&self, slack: f64) -> Region {
+        let pad = DVec3::splat(slack);
         let [a, b] = self.rim;
-        let bounds = (self.apex.min(a).min(b) - pad, self.apex.max(a).max(b) + pad);
-        self.sections_in(scene, blockers, 1.0, bounds).front
+        let bounds = match self.parallel {
+            Some(_) => UNBOUNDED,
+            None => (self.apex.min(a).min(b) - pad, self.apex.max(a).max(b) + pad),
+        };
+        self.region(slack, 1.0, bounds, (0.0, 1.0))
+    }
+
+    /// The section of one part with the rays towards the rim.
+    pub(super) fn section_ahead(
+        &self,
+        scene: &Scene,
+        blockers: &Blockers,
+        part: &Part,
+    ) -> Option<Section> {
+        let mut out = Sections::default();
+        self.clip(&self.section(scene, blockers, part)?, &mut out);
+        out.front.pop()
+    }
+
+    /// Sections with the faces that rays past the rim between two parameters meet behind it.
+    pub(super) fn sections_behind_rim(
+        &self,
+        scene: &Scene,
+        blockers: &Blockers,
+        stretch: (f64, f64),
+    ) -> Vec<Section> {
+        let slack = blockers.weld_distance();
+        let mut region = self.region(slack, 1.0, UNBOUNDED, stretch);
+        let [a, b] = self.rim;
+        let away = self.plane.normal.cross(b - a).normalize();
+        let way = self.parallel.unwrap_or(a - self.apex);
+        let away = away * away.dot(way).signum();
+        region.planes.push(Plane::new(a - away * slack, away));
+        self.sections_in(scene, blockers, &region).front
     }
 
     /// Sections with all faces that the rays towards the rim and on from there meet.
     pub(super) fn sections_ahead(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
-        self.sections_in(scene, blockers, 1.0, UNBOUNDED).front
+        let region = self.region(blockers.weld_distance(), 1.0, UNBOUNDED, (0.0, 1.0));
+        self.sections_in(scene, blockers, &region).front
     }
 
-    /// Sections with all faces that the rays beyond the apex meet.
-    pub(super) fn sections_beyond(&self, scene: &Scene, blockers: &Blockers) -> Vec<Section> {
-        self.sections_in(scene, blockers, -1.0, UNBOUNDED).back
-    }
-
-    fn sections_in(
+    /// Sections with all faces that rays from the rim between two parameters meet beyond the apex.
+    pub(super) fn sections_beyond(
         &self,
         scene: &Scene,
         blockers: &Blockers,
-        sign: f64,
-        bounds: (DVec3, DVec3),
-    ) -> Sections {
+        stretch: (f64, f64),
+    ) -> Vec<Section> {
+        let region = self.region(blockers.weld_distance(), -1.0, UNBOUNDED, stretch);
+        self.sections_in(scene, blockers, &region).back
+    }
+
+    fn sections_in(&self, scene: &Scene, blockers: &Blockers, region: &Region) -> Sections {
         let mut parts = Vec::new();
-        let region = self.region(blockers.weld_distance(), sign, bounds);
-        blockers.query(&region, |i| parts.push(i));
+        blockers.query(region, |i| parts.push(i));
         parts.sort_unstable();
         let mut out = Sections::default();
         for i in parts {
@@ -211,7 +295,6 @@ impl Wedge {
 
     /// The segment in which a convex part crosses the plane.
     fn section(&self, scene: &Scene, blockers: &Blockers, part: &Part) -> Option<Cut> {
-        let corners = blockers.corners(part);
         let vertices = blockers.vertices(part);
         let is_on_rim = |v: &VertexId| self.rim_vertices.is_some_and(|r| r.contains(v));
         // A face through the apex meets the wedge in a single ray, a face along the rim only there.
@@ -222,69 +305,54 @@ impl Wedge {
         {
             return None;
         }
-        let d: SmallVec<[f64; 8]> = corners
-            .iter()
-            .zip(vertices)
-            .map(|(&c, v)| {
-                let d = self.plane.distance(c);
-                if is_on_rim(v) || d.abs() <= blockers.weld_distance() {
-                    0.0
-                } else {
-                    d
-                }
-            })
-            .collect();
-        let (above, below) = (d.iter().any(|&d| d > 0.0), d.iter().any(|&d| d < 0.0));
-        let n = corners.len();
-        if above && below {
-            let mut ends = SmallVec::<[(DVec3, Mark); 2]>::new();
-            for i in 0..n {
-                let j = (i + 1) % n;
-                if d[i] == 0.0 {
-                    ends.push((corners[i], Mark::Vertex(vertices[i])));
-                } else if d[i] * d[j] < 0.0 {
-                    let p = corners[i] + (corners[j] - corners[i]) * (d[i] / (d[i] - d[j]));
-                    let edge = blockers.edges(part)[i];
-                    ends.push((p, edge.map_or(Mark::Inside, Mark::Edge)));
-                }
-            }
-            return (ends.len() == 2).then(|| Cut {
-                ends: [ends[0], ends[1]],
-                face: Some(part.face),
-            });
-        }
-        if !above {
-            return None;
-        }
-        // The part touches the plane from above along one of its edges: the light stops there when something touches the
-        // same edge from below. On a diagonal that is the other part of the same face.
-        let k = (0..n).find(|&i| d[i] == 0.0 && d[(i + 1) % n] == 0.0)?;
-        let ends = [k, (k + 1) % n].map(|i| (corners[i], Mark::Vertex(vertices[i])));
-        match blockers.edges(part)[k] {
-            None => Some(Cut {
-                ends,
-                face: Some(part.face),
-            }),
-            Some(edge) => self
-                .is_crossed_at(scene, edge, blockers.weld_distance())
-                .then_some(Cut { ends, face: None }),
-        }
+        cut_of_part(scene, blockers, part, &self.plane, |v| is_on_rim(v))
     }
 
-    /// True when faces along `edge` lie on both sides of the plane.
-    fn is_crossed_at(&self, scene: &Scene, edge: EdgeId, tol: f64) -> bool {
-        let (mut above, mut below) = (false, false);
-        for u in &scene.edges[edge].uses {
-            let side = side_of_face(scene, &self.plane, edge, u.face, u.is_forward, tol);
-            above |= side > 0;
-            below |= side < 0;
+    /// The part of a segment that parallel rays past the rim meet.
+    fn parallel_section(
+        &self,
+        way: DVec3,
+        ends: [(DVec3, Mark); 2],
+        face: Option<FaceId>,
+    ) -> Option<Section> {
+        let n = self.plane.normal;
+        let along = self.rim[1] - self.rim[0];
+        let place = |p: DVec3| {
+            let p = p - self.rim[0];
+            let s = way.cross(p).dot(n) / self.normal_length;
+            let t = p.cross(along).dot(n) / self.normal_length;
+            (s, 1.0 - t)
+        };
+        let [p, q] = ends.map(|e| place(e.0));
+        let (mut from, mut to) = ((p, ends[0].1), (q, ends[1].1));
+        if from.0.0 > to.0.0 {
+            std::mem::swap(&mut from, &mut to);
         }
-        above && below
+        let ((s0, w0), (s1, w1)) = (from.0, to.0);
+        let w = |s: f64| w0 + (w1 - w0) * ((s - s0) / (s1 - s0));
+        let clipped = (s0.max(0.0), s1.min(1.0));
+        // A section along a ray hides nothing.
+        (clipped.1 - clipped.0 > f64::EPSILON).then(|| Section {
+            s0: clipped.0,
+            w0: if s0 < 0.0 { w(0.0) } else { w0 },
+            s1: clipped.1,
+            w1: if s1 > 1.0 { w(1.0) } else { w1 },
+            face,
+            marks: [
+                if s0 < 0.0 { Mark::Inside } else { from.1 },
+                if s1 > 1.0 { Mark::Inside } else { to.1 },
+            ],
+        })
     }
 
     /// Adds the parts of a segment in front of and behind the apex to `out`.
     fn clip(&self, cut: &Cut, out: &mut Sections) {
         let [(first, first_mark), (last, last_mark)] = cut.ends;
+        if let Some(way) = self.parallel {
+            let ends = [(first, first_mark), (last, last_mark)];
+            out.front.extend(self.parallel_section(way, ends, cut.face));
+            return;
+        }
         let (p, q) = (self.coordinates(first), self.coordinates(last));
         for (sign, list) in [(1.0, &mut out.front), (-1.0, &mut out.back)] {
             let (p, q) = ((sign * p.0, sign * p.1), (sign * q.0, sign * q.1));
@@ -328,6 +396,74 @@ impl Wedge {
             }
         }
     }
+}
+
+/// The segment in which a convex part crosses `plane`; vertices that are known to lie in it do so to the last digit.
+pub(super) fn cut_of_part(
+    scene: &Scene,
+    blockers: &Blockers,
+    part: &Part,
+    plane: &Plane,
+    is_known: impl Fn(&VertexId) -> bool,
+) -> Option<Cut> {
+    let (corners, vertices) = (blockers.corners(part), blockers.vertices(part));
+    let d: SmallVec<[f64; 8]> = corners
+        .iter()
+        .zip(vertices)
+        .map(|(&c, v)| {
+            let d = plane.distance(c);
+            if is_known(v) || d.abs() <= blockers.weld_distance() {
+                0.0
+            } else {
+                d
+            }
+        })
+        .collect();
+    let (above, below) = (d.iter().any(|&d| d > 0.0), d.iter().any(|&d| d < 0.0));
+    let n = corners.len();
+    if above && below {
+        let mut ends = SmallVec::<[(DVec3, Mark); 2]>::new();
+        for i in 0..n {
+            let j = (i + 1) % n;
+            if d[i] == 0.0 {
+                ends.push((corners[i], Mark::Vertex(vertices[i])));
+            } else if d[i] * d[j] < 0.0 {
+                let p = corners[i] + (corners[j] - corners[i]) * (d[i] / (d[i] - d[j]));
+                let edge = blockers.edges(part)[i];
+                ends.push((p, edge.map_or(Mark::Inside, Mark::Edge)));
+            }
+        }
+        return (ends.len() == 2).then(|| Cut {
+            ends: [ends[0], ends[1]],
+            face: Some(part.face),
+        });
+    }
+    if !above {
+        return None;
+    }
+    // The part touches the plane from above along one of its edges: the light stops there when something touches the
+    // same edge from below. On a diagonal that is the other part of the same face.
+    let k = (0..n).find(|&i| d[i] == 0.0 && d[(i + 1) % n] == 0.0)?;
+    let ends = [k, (k + 1) % n].map(|i| (corners[i], Mark::Vertex(vertices[i])));
+    match blockers.edges(part)[k] {
+        None => Some(Cut {
+            ends,
+            face: Some(part.face),
+        }),
+        Some(edge) => is_crossed_at(scene, plane, edge, blockers.weld_distance())
+            .then_some(Cut { ends, face: None }),
+    }
+}
+
+/// True when faces along `edge` lie on both sides of a plane through it.
+fn is_crossed_at(scene: &Scene, plane: &Plane, edge: EdgeId, tol: f64) -> bool {
+    let (mut above, mut below) = (false, false);
+    for u in &scene.edges[edge].uses {
+        let side = side_of_face(scene, plane, edge, u.face, u.is_forward, tol);
+        above |= side > 0;
+        below |= side < 0;
+    }
+    above && below
 }
 
 /// On which side of `plane` (through `edge`) a face along that edge lies: +1, −1, or 0 when it lies in the plane within `tol`.

@@ -33,11 +33,7 @@ use std::path::Path;
 const MAX_POLYGONS: usize = 50_000_000;
 
 /// Extensions that a file may use without requiring them, and what is lost without them.
-const UNREAD_EXTENSIONS: [(&str, &str); 3] = [
-    (
-        "KHR_lights_punctual",
-        "its point, spot and directional lights do not shine yet: light comes from emissive faces",
-    ),
+const UNREAD_EXTENSIONS: [(&str, &str); 2] = [
     (
         "KHR_texture_basisu",
         "pictures in its format are not read, others are",

@@ -48,7 +48,8 @@ fn row(line: &LineRecord) -> String {
 }
 
 /// What made a line: `v12/e34` a vertex of the emitter, or of another blocker, past a blocker's edge, `e(3-4)/v7` an
-/// emitter's edge past a blocker's vertex, `e3/e5/e8` three edges on one sight line, `face 5` the face that touches, `plane` the emitter's own plane. Numbers are those of the cleaned scene.
+/// emitter's edge past a blocker's vertex, `light0/e17` a light without a surface past a blocker's edge, `light0` the rim of a
+/// spot's cone, `e3/e5/e8` three edges on one sight line, `face 5` the face that touches, `plane` the emitter's own plane. Numbers are those of the cleaned scene.
 pub fn cause_name(cause: &Cause) -> String {
     match cause {
         Cause::VertexEdge(v, e) => format!("v{v}/e{e}"),
@@ -56,5 +57,7 @@ pub fn cause_name(cause: &Cause) -> String {
         Cause::Edges([a, b, c]) => format!("e{a}/e{b}/e{c}"),
         Cause::Face(f) => format!("face {f}"),
         Cause::EmitterPlane => "plane".to_owned(),
+        Cause::LightEdge(light, e) => format!("light{light}/e{e}"),
+        Cause::Cone(light) => format!("light{light}"),
     }
 }

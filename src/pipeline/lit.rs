@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::direct::DirectLight;
-use crate::discontinuity::{Discontinuity, LineMap};
+use crate::discontinuity::{EventKind, FaceLines, LineMap};
 use crate::radiosity::reached;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
@@ -38,7 +38,7 @@ pub(super) fn lit_sides(
         .par_iter()
         .zip(&views)
         .map_init(Scratch::default, |scratch, (&(face, side), views)| {
-            let beside = beside_lines(scene, &lines.of(face, side).candidates);
+            let beside = beside_lines(scene, lines.of(face, side));
             is_lit(direct, views, &beside, scratch)
         })
         .collect();
@@ -81,9 +81,11 @@ fn is_lit(
 
 /// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines
 /// around it.
-fn beside_lines(scene: &Scene, lines: &[Discontinuity]) -> Vec<Viewpoint> {
-    lines
-        .iter()
+fn beside_lines(scene: &Scene, lines: &FaceLines) -> Vec<Viewpoint> {
+    let contacts = lines.contacts.iter();
+    contacts
+        .filter(|l| l.kind != EventKind::Contact)
+        .chain(&lines.candidates)
         .flat_map(|line| {
             let normal = scene.normal(line.face, line.side);
             let [a, b] = line.ends;

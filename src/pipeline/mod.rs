@@ -117,7 +117,7 @@ impl World {
         let (scene, clean, repairs) = clean(raw, &settings.clean)?;
         let mut warnings = raw.warnings.clone();
         warnings.extend(repairs);
-        if scene.emitters.is_empty() {
+        if scene.emitters.is_empty() && scene.lights.is_empty() {
             warnings.push(Warning::new(
                 &scene.source,
                 "no face emits light: the result is black (set Ke or emissiveFactor on a material)",

@@ -48,6 +48,8 @@ pub struct Scene {
     pub groups: Vec<String>,
     /// Cameras, in world coordinates.
     pub cameras: Vec<Camera>,
+    /// Lights without a surface, local.
+    pub lights: Vec<PunctualLight>,
     /// Below this distance two points are the same point, metres.
     pub weld_distance: f64,
     /// Length of the diagonal of the box around all vertices, metres.

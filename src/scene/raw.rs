@@ -28,7 +28,7 @@ pub struct RawScene {
     pub groups: Vec<String>,
     /// Cameras of the file.
     pub cameras: Vec<Camera>,
-    /// Lights without a surface; nothing is lit by them yet.
+    /// Lights without a surface.
     pub lights: Vec<PunctualLight>,
     /// What the reader had to repair or drop.
     pub warnings: Vec<Warning>,
@@ -103,11 +103,20 @@ pub struct PunctualLight {
     pub position: DVec3,
     /// Unit direction in which it shines; no matter for a point light.
     pub direction: DVec3,
-    /// Colour times intensity: W/sr, of a directional light W/m² on a surface that faces it. The file's photometric
-    /// numbers (cd, lx) are taken as they stand, as its emissive surfaces are.
+    /// Colour times intensity: W/sr, of a directional light W/m² on a surface that faces it.
     pub intensity: Rgb,
     /// Beyond this distance, metres, the light may be left out.
     pub range: Option<f64>,
+}
+
+impl PunctualLight {
+    /// The same in coordinates relative to `origin`.
+    pub(super) fn seen_from(&self, origin: DVec3) -> Self {
+        Self {
+            position: self.position - origin,
+            ..self.clone()
+        }
+    }
 }
 
 /// How a light without a surface shines.

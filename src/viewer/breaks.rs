@@ -3,7 +3,7 @@
 use super::surfaces::PartOnPage;
 use crate::discontinuity::{Cause, EventKind};
 use crate::pipeline::{LineRecord, Solution, kind_name, line_records, order_number};
-use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, Scene, VertexId};
+use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, PunctualKind, Scene, VertexId};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -84,6 +84,12 @@ fn words(scene: &Scene, record: &LineRecord) -> String {
             name(scene, f)
         ),
         Cause::EmitterPlane => format!("the plane of {lamp}"),
+        Cause::LightEdge(light, e) => format!(
+            "light {light} ({}) disappears behind edge e{e}{}",
+            scene.lights[light as usize].name,
+            owner(scene, e)
+        ),
+        Cause::Cone(light) => format!("the cone of light {}", scene.lights[light as usize].name),
     }
 }
 
@@ -113,6 +119,20 @@ fn generators(scene: &Scene, record: &LineRecord, ends: [DVec3; 2]) -> Vec<[[f64
         }
         Cause::Edges(edges) => edges.map(|e| scene.edges[e].ends.map(at)).to_vec(),
         Cause::Face(f) => outline(scene, f),
+        Cause::LightEdge(light, e) => {
+            let light = &scene.lights[light as usize];
+            let far = scene.diagonal;
+            let source = |p: DVec3| match light.kind {
+                PunctualKind::Directional => p - light.direction * far,
+                _ => light.position,
+            };
+            let mut all = vec![scene.edges[e].ends.map(at)];
+            all.extend(ends.map(|p| [source(p), p]));
+            all
+        }
+        Cause::Cone(light) => ends
+            .map(|p| [scene.lights[light as usize].position, p])
+            .to_vec(),
         Cause::EmitterPlane => record.emitter.map_or_else(Vec::new, |e: EmitterId| {
             outline(scene, scene.emitters[e].face)
         }),

@@ -41,6 +41,11 @@ pub(crate) fn world_of_raw(raw: &RawScene) -> World {
 
 /// A scene that a test made up, cleaned as for a bake: both sides reflect, fronts emit.
 pub(crate) fn world_of_mesh(name: &str, mesh: &ObjMesh) -> World {
+    world_of_raw(&raw_of_mesh(name, mesh))
+}
+
+/// A scene that a test made up, as a reader would hand it over: both sides reflect, fronts emit.
+pub(crate) fn raw_of_mesh(name: &str, mesh: &ObjMesh) -> RawScene {
     let mut raw = RawScene {
         source: name.to_owned(),
         groups: vec![name.to_owned()],
@@ -65,7 +70,7 @@ pub(crate) fn world_of_mesh(name: &str, mesh: &ObjMesh) -> World {
             group: 0,
         });
     }
-    world_of_raw(&raw)
+    raw
 }
 
 /// The triangles of a cleaned scene in its local coordinates, for references that trace rays.

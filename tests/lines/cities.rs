@@ -13,7 +13,7 @@ const RASTER: f64 = 0.25;
 const ROUND_OFF: f64 = 1e-12;
 
 /// Adds a box without or with a bottom.
-pub(super) fn add_box(mesh: &mut ObjMesh, low: [f64; 3], high: [f64; 3], has_bottom: bool) {
+pub(crate) fn add_box(mesh: &mut ObjMesh, low: [f64; 3], high: [f64; 3], has_bottom: bool) {
     let p = |i: usize| -> [f64; 3] {
         [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] })
     };

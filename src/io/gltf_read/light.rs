@@ -7,6 +7,10 @@ use crate::scene::{PunctualKind, PunctualLight};
 use glam::DVec3;
 use gltf::khr_lights_punctual::{Kind, Light};
 
+/// Lumens a watt: the file's candela and lux are divided by it. It is the constant that the candela is defined by (SI), and what
+/// exporters multiply watts with for these lights, while emissive surfaces are written as they stand.
+pub(super) const LUMENS_A_WATT: f64 = 683.0;
+
 /// The light of a node in the world; `None` when its numbers are not finite, or the node is flattened.
 pub(super) fn light(
     placed: &PlacedNode<'_>,
@@ -16,7 +20,7 @@ pub(super) fn light(
     // A glTF light shines along −z.
     let direction = up.to_y_up(placed.world.transform_vector3(DVec3::NEG_Z));
     let colour = DVec3::from_array(source.color().map(f64::from));
-    let intensity = colour * f64::from(source.intensity());
+    let intensity = colour * (f64::from(source.intensity()) / LUMENS_A_WATT);
     let name = placed.node.name().or(source.name());
     let is_sound = intensity.is_finite() && intensity.cmpge(DVec3::ZERO).all();
     is_sound.then_some(PunctualLight {

@@ -222,6 +222,7 @@ fn assemble(
         textures: raw.textures.clone(),
         groups: raw.groups.clone(),
         cameras: raw.cameras.clone(),
+        lights: raw.lights.iter().map(|l| l.seen_from(origin)).collect(),
         weld_distance: tolerances.weld_distance,
         diagonal,
     }

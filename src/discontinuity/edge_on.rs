@@ -11,22 +11,18 @@
 //!   ───────lines──  a receiver: lit by some point of S past F
 //! ```
 
-use super::trace::{self, Landing};
-use super::wedge::{Apex, Wedge};
+mod plane_view;
+
+use self::plane_view::{Cell, Feature, Obstacle, PlaneView, Stretch};
+use super::trace::Landing;
+use super::wedge::{self, Cut};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
-use crate::direct::DirectLight;
+use crate::direct::{DirectLight, EmitterPolygon};
 use crate::geom::Plane;
-use crate::scene::{EmitterId, FaceId, Scene};
-use crate::visibility::{Scratch, Viewpoint};
-use glam::DVec3;
+use crate::scene::{EmitterId, FaceId, FaceSide, Scene};
+use crate::visibility::{Region, Scratch, Viewpoint};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-
-/// So many points of the emitter are followed past a face at first.
-const FIRST_POINTS: usize = 9;
-
-/// Between two points from which light lands differently the emitter is halved so many times: the ends of lines are then
-/// as good as this power of two makes them.
-const HALVINGS: u32 = 7;
 
 /// The lines of all faces' planes, for all emitters.
 pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
@@ -34,15 +30,9 @@ pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
     let found: Vec<Vec<Discontinuity>> = faces
         .par_iter()
         .map(|&face| {
-            let plane = scene.faces[face].frame.plane();
             let mut out = Vec::new();
-            for emitter in scene.emitters.ids() {
-                if scene.emitters[emitter].face == face {
-                    continue;
-                }
-                if let Some(cut) = cut(scene, light, emitter, &plane) {
-                    past_face(scene, light, emitter, face, cut, &mut out);
-                }
+            for polygons in light.polygons.chunk_by(|a, b| a.emitter == b.emitter) {
+                past_face(scene, light, polygons, face, &mut out);
             }
             out
         })
@@ -50,87 +40,29 @@ pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
     found.into_iter().flatten().collect()
 }
 
-/// The segment in which `plane` cuts an emitter, from one end to the other; none when it only touches it.
-fn cut(
-    scene: &Scene,
-    light: &DirectLight,
-    emitter: EmitterId,
-    plane: &Plane,
-) -> Option<[DVec3; 2]> {
-    let tol = scene.weld_distance;
-    let own = scene.normal(scene.emitters[emitter].face, scene.emitters[emitter].side);
-    let along = own.cross(plane.normal).try_normalize()?;
-    let mut ends: Option<[DVec3; 2]> = None;
-    for polygon in light.polygons.iter().filter(|p| p.emitter == emitter) {
-        let corners = &polygon.corners;
-        let heights = || corners.iter().map(|&c| plane.distance(c));
-        if !(heights().any(|h| h > tol) && heights().any(|h| h < -tol)) {
-            continue;
-        }
-        for (i, &a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
-            let (ha, hb) = (plane.distance(a), plane.distance(b));
-            if (ha > 0.0) == (hb > 0.0) {
-                continue;
-            }
-            let p = a + (b - a) * (ha / (ha - hb));
-            let [first, last] = ends.get_or_insert([p, p]);
-            if (p - *first).dot(along) < 0.0 {
-                *first = p;
-            }
-            if (p - *last).dot(along) > 0.0 {
-                *last = p;
-            }
-        }
-    }
-    ends.filter(|[a, b]| a.distance(*b) > tol)
-}
-
-/// Follows the plane of `face` from points of the emitter's segment `cut` past the face to the receivers.
+/// The lines of the plane of `face`, for the emitter made of `polygons`.
 fn past_face(
     scene: &Scene,
     light: &DirectLight,
-    emitter: EmitterId,
+    polygons: &[EmitterPolygon],
     face: FaceId,
-    cut: [DVec3; 2],
     out: &mut Vec<Discontinuity>,
 ) {
-    let e = scene.emitters[emitter];
-    let plane = Plane::new(
-        scene.faces[e.face].frame.origin,
-        scene.normal(e.face, e.side),
-    );
-    let tol = scene.weld_distance;
-    let points: Vec<DVec3> = scene.faces[face]
-        .loops
-        .iter()
-        .flatten()
-        .map(|&v| scene.vertices[v])
-        .filter(|&p| plane.distance(p) > tol)
-        .collect();
-    let past = |share: f64| -> Vec<Landing> {
-        let apex = cut[0].lerp(cut[1], share);
-        chord(apex, &points, plane.normal, tol)
-            .and_then(|rim| Wedge::new(Apex::Point(apex), rim, None, tol))
-            .map_or(Vec::new(), |wedge| {
-                trace::past_edge(&wedge, scene, light.blockers).landings
-            })
-    };
+    let emitter = polygons[0].emitter;
+    if scene.emitters[emitter].face == face {
+        return;
+    }
+    let plane = scene.faces[face].frame.plane();
     let mut stretches = Vec::new();
-    let share = |i: usize| i as f64 / (FIRST_POINTS - 1) as f64;
-    let mut before = past(0.0);
-    for i in 1..FIRST_POINTS {
-        let after = past(share(i));
-        let shares = (share(i - 1), share(i));
-        follow(&past, shares, (&before, &after), HALVINGS, &mut stretches);
-        before = after;
+    for polygon in polygons {
+        if let Some(strip) = Strip::new(scene, polygon, face, plane) {
+            strip.landings(light, &mut stretches);
+        }
     }
     let mut scratch = Scratch::default();
-    for l in united(stretches, tol) {
-        let middle = 0.5 * (l.ends[0] + l.ends[1]);
-        let view = Viewpoint::new(middle, scene.normal(l.face, l.side));
-        let jump = light.unoccluded_from(emitter, &view, &mut scratch).mean();
-        if jump > 0.0 && l.face != face {
+    for l in united(stretches, scene.weld_distance) {
+        let jump = jump_at(scene, light, emitter, &l, &mut scratch);
+        if jump > 0.0 && l.face != face && l.ends[0].distance(l.ends[1]) > scene.weld_distance {
             out.push(Discontinuity {
                 face: l.face,
                 side: l.side,
@@ -145,41 +77,230 @@ fn past_face(
     }
 }
 
-/// Adds what the points between two shares of the cut light. Where both light the same stretches one for one, those
-/// between do nothing but move.
-fn follow(
-    past: &impl Fn(f64) -> Vec<Landing>,
-    (from, to): (f64, f64),
-    (before, after): (&[Landing], &[Landing]),
-    halvings: u32,
-    out: &mut Vec<Landing>,
-) {
-    let is_same = before.len() == after.len()
-        && before
+/// What the whole emitter gives, unoccluded, at the middle of a stretch, W/m².
+fn jump_at(
+    scene: &Scene,
+    light: &DirectLight,
+    emitter: EmitterId,
+    landing: &Landing,
+    scratch: &mut Scratch,
+) -> f64 {
+    let middle = 0.5 * (landing.ends[0] + landing.ends[1]);
+    let view = Viewpoint::new(middle, scene.normal(landing.face, landing.side));
+    light.unoccluded_from(emitter, &view, scratch).mean()
+}
+
+/// The plane of a face, from the segment in which it cuts an emitter on.
+struct Strip<'s> {
+    scene: &'s Scene,
+    face: FaceId,
+    plane: Plane,
+    /// The segment.
+    cut: [DVec3; 2],
+    /// Unit vectors along the segment, and away from the emitter.
+    along: DVec3,
+    ahead: DVec3,
+}
+
+impl<'s> Strip<'s> {
+    /// None where the plane misses the emitter or only touches it.
+    fn new(scene: &'s Scene, polygon: &EmitterPolygon, face: FaceId, plane: Plane) -> Option<Self> {
+        let cut = cut(polygon, &plane, scene.weld_distance)?;
+        let along = (cut[1] - cut[0]).normalize();
+        let ahead = plane.normal.cross(along);
+        Some(Self {
+            scene,
+            face,
+            plane,
+            cut,
+            along,
+            ahead: ahead * ahead.dot(polygon.plane.normal).signum(),
+        })
+    }
+
+    fn to_plane(&self, p: DVec3) -> DVec2 {
+        let d = p - self.cut[0];
+        DVec2::new(d.dot(self.along), d.dot(self.ahead))
+    }
+
+    fn to_space(&self, q: DVec2) -> DVec3 {
+        self.cut[0] + self.along * q.x + self.ahead * q.y
+    }
+
+    /// Appends the stretches that the points of the segment light past the face.
+    fn landings(&self, light: &DirectLight, out: &mut Vec<Landing>) {
+        let Some(view) = self.view(light) else {
+            return;
+        };
+        for cell in view.cells() {
+            for stretch in &cell.lit {
+                out.extend(self.landing(&view, &cell, stretch));
+            }
+        }
+    }
+
+    /// The plane with the face's corners ahead of the emitter and all that rays past them meet.
+    fn view(&self, light: &DirectLight) -> Option<PlaneView> {
+        let (scene, tol) = (self.scene, self.scene.weld_distance);
+        let mut view = PlaneView {
+            length: self.cut[0].distance(self.cut[1]),
+            points: Vec::new(),
+            corners: Vec::new(),
+            obstacles: Vec::new(),
+            tol,
+        };
+        for &v in scene.faces[self.face].loops.iter().flatten() {
+            let p = scene.vertices[v];
+            let q = self.to_plane(p);
+            if q.y > tol {
+                view.corners.push(view.points.len() as u32);
+                view.points.push((q, p));
+            }
+        }
+        let region = self.region(&view)?;
+        let mut parts = Vec::new();
+        light.blockers.query(&region, |i| parts.push(i));
+        parts.sort_unstable();
+        for i in parts {
+            let part = light.blockers.part(i);
+            if part.face == self.face {
+                continue;
+            }
+            let cut = wedge::cut_of_part(scene, light.blockers, part, &self.plane, |_| false);
+            if let Some(cut) = cut {
+                self.add(&mut view, &cut);
+            }
+        }
+        view.unite_points();
+        Some(view)
+    }
+
+    /// Adds a segment of the plane as far as it lies ahead of the emitter.
+    fn add(&self, view: &mut PlaneView, cut: &Cut) {
+        let [(a, _), (b, _)] = cut.ends;
+        let (p, q) = (self.to_plane(a), self.to_plane(b));
+        if p.y <= view.tol && q.y <= view.tol {
+            return;
+        }
+        let ends = [(p, a), (q, b)].map(|(own, position)| {
+            if own.y > view.tol {
+                return (own, position);
+            }
+            let t = (view.tol - p.y) / (q.y - p.y);
+            (p.lerp(q, t), a.lerp(b, t))
+        });
+        let first = view.points.len() as u32;
+        view.points.extend(ends);
+        view.obstacles.push(Obstacle {
+            ends: [first, first + 1],
+            face: cut.face,
+        });
+    }
+
+    /// What rays from the segment past the face can meet; none when there is no way past.
+    fn region(&self, view: &PlaneView) -> Option<Region> {
+        let slopes = |x: f64| view.points.iter().map(move |(q, _)| (q.x - x) / q.y);
+        let leftmost = slopes(view.length).reduce(f64::min)?;
+        let rightmost = slopes(0.0).reduce(f64::max)?;
+        let tol = self.scene.weld_distance;
+        let n = self.plane.normal;
+        let [first, last] = self.cut;
+        let left = (self.along - self.ahead * leftmost).normalize();
+        let right = (self.ahead * rightmost - self.along).normalize();
+        Some(Region {
+            planes: [
+                Plane::new(first - n * tol, n),
+                Plane::new(first + n * tol, -n),
+                Plane::new(first, self.ahead),
+                Plane::new(first - left * tol, left),
+                Plane::new(last - right * tol, right),
+            ]
+            .into_iter()
+            .collect(),
+            bounds: (DVec3::NEG_INFINITY, DVec3::INFINITY),
+        })
+    }
+
+    /// All that the points of a cell light of a stretch.
+    fn landing(&self, view: &PlaneView, cell: &Cell, stretch: &Stretch) -> Option<Landing> {
+        let scene = self.scene;
+        let plane = scene.faces[stretch.face].frame.plane();
+        let line = plane.normal.cross(self.plane.normal);
+        let along = |p: DVec3| line.dot(p);
+        // What the face has of the line; rays to the ends of a cell may graze it, and meet it anywhere.
+        let own = view
+            .obstacles
             .iter()
-            .zip(after)
-            .all(|(a, b)| (a.face, a.side) == (b.face, b.side));
-    if is_same {
-        out.extend(before.iter().zip(after).map(|(a, b)| hull(a, b)));
-    } else if halvings == 0 {
-        out.extend(before.iter().chain(after));
-    } else {
-        let middle = 0.5 * (from + to);
-        let between = past(middle);
-        follow(past, (from, middle), (before, &between), halvings - 1, out);
-        follow(past, (middle, to), (&between, after), halvings - 1, out);
+            .filter(|o| o.face == Some(stretch.face));
+        let own = || {
+            own.clone()
+                .flat_map(|o| o.ends)
+                .map(|i| view.points[i as usize].1)
+        };
+        let first = own().min_by(|p, q| along(*p).total_cmp(&along(*q)))?;
+        let last = own().max_by(|p, q| along(*p).total_cmp(&along(*q)))?;
+        let hit = |share: f64, feature: Feature| {
+            let apex = self.cut[0].lerp(self.cut[1], share);
+            let through = match view.position(feature) {
+                Ok(p) if plane.distance(p).abs() <= view.tol => return Some(p),
+                Ok(p) => p,
+                Err(q) => self.to_space(q),
+            };
+            let (d0, d1) = (plane.distance(apex), plane.distance(through));
+            let t = d0 / (d0 - d1);
+            let p = apex + (through - apex) * t;
+            if !(t >= 0.0 && p.is_finite()) {
+                None
+            } else if along(p) < along(first) {
+                Some(first)
+            } else if along(p) > along(last) {
+                Some(last)
+            } else {
+                Some(p)
+            }
+        };
+        let shares = [cell.from, cell.to];
+        let hits = || {
+            shares
+                .into_iter()
+                .flat_map(|c| stretch.ends.map(|f| hit(c, f)))
+        };
+        let from = hits()
+            .flatten()
+            .min_by(|p, q| along(*p).total_cmp(&along(*q)))?;
+        let to = hits()
+            .flatten()
+            .max_by(|p, q| along(*p).total_cmp(&along(*q)))?;
+        let middle = 0.5 * (cell.from + cell.to);
+        let side = if plane.distance(self.cut[0].lerp(self.cut[1], middle)) > 0.0 {
+            FaceSide::Front
+        } else {
+            FaceSide::Back
+        };
+        scene.receives(stretch.face, side).then_some(Landing {
+            face: stretch.face,
+            side,
+            // A point that stands for several at one place may be off the face by the weld distance.
+            ends: [from, to].map(|p| p - plane.normal * plane.distance(p)),
+            middle,
+        })
     }
 }
 
-/// The stretch from the first end of two collinear ones to the last.
-fn hull(a: &Landing, b: &Landing) -> Landing {
-    let along = a.ends[1] - a.ends[0];
-    let mut ends = [a.ends[0], a.ends[1], b.ends[0], b.ends[1]];
-    ends.sort_unstable_by(|p, q| along.dot(*p).total_cmp(&along.dot(*q)));
-    Landing {
-        ends: [ends[0], ends[3]],
-        ..*a
+/// The segment in which `plane` cuts a convex piece of an emitter; none when it only touches it.
+fn cut(polygon: &EmitterPolygon, plane: &Plane, tol: f64) -> Option<[DVec3; 2]> {
+    let corners = &polygon.corners;
+    let heights = || corners.iter().map(|&c| plane.distance(c));
+    if !(heights().any(|h| h > tol) && heights().any(|h| h < -tol)) {
+        return None;
     }
+    let mut ends = (0..corners.len()).filter_map(|i| {
+        let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+        let (ha, hb) = (plane.distance(a), plane.distance(b));
+        ((ha > 0.0) != (hb > 0.0)).then(|| a + (b - a) * (ha / (ha - hb)))
+    });
+    let ends = [ends.next()?, ends.next()?];
+    (ends[0].distance(ends[1]) > tol).then_some(ends)
 }
 
 /// Stretches on one side of one face – all of them collinear – with those that touch made one.
@@ -207,28 +328,4 @@ fn united(mut stretches: Vec<Landing>, tol: f64) -> Vec<Landing> {
         }
     }
     out
-}
-
-/// The two of `points` (in a plane with `apex`) between which all others are seen from there, left and right of the
-/// direction `ahead`.
-fn chord(apex: DVec3, points: &[DVec3], ahead: DVec3, tol: f64) -> Option<[DVec3; 2]> {
-    let directions = || points.iter().map(|&p| p - apex);
-    let mut far = directions().filter(|d| d.length() > tol);
-    let first = far.next()?;
-    // All lie ahead, within half a turn: the sine of the angle between two of them says which is farther left.
-    let normal = directions()
-        .map(|d| first.cross(d))
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?
-        .try_normalize()?;
-    let is_left = |a: DVec3, b: DVec3| a.cross(b).dot(normal) > 0.0;
-    let (mut left, mut right) = (first, first);
-    for d in far.filter(|d| d.dot(ahead) > 0.0) {
-        if is_left(left, d) {
-            left = d;
-        }
-        if is_left(d, right) {
-            right = d;
-        }
-    }
-    Some([apex + right, apex + left])
 }

@@ -4,7 +4,7 @@
 //! plane, two collinear edges throw one shadow line, an edge split at a T-junction throws it in pieces. Lines on one face
 //! that run within the weld distance of each other become one, their stretches united, under the lowest order.
 
-use super::{Discontinuity, FaceLines};
+use super::{Discontinuity, DiscontinuityOrder, EventKind, FaceLines};
 use crate::geom::Polygon2;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
@@ -16,16 +16,48 @@ pub(super) fn merge_all(scene: &Scene, lines: &mut FaceLines) {
         let Some(first) = list.first() else { continue };
         let face = &scene.faces[first.face];
         let taken = std::mem::take(list);
+        let (low, high) = face.outline.bounds();
+        let bounds = [low - scene.weld_distance, high + scene.weld_distance];
         let flat: Vec<(Discontinuity, [DVec2; 2])> = taken
             .into_iter()
             .map(|d| {
                 let ends = d.ends.map(|p| face.frame.to_plane(p));
                 (d, ends)
             })
+            .filter_map(|(d, ends)| within(bounds, d, ends))
             .filter(|(_, ends)| !runs_along(&face.outline, *ends, scene.weld_distance))
             .collect();
         *list = merge(flat, scene.weld_distance);
     }
+}
+
+/// The part of a line in a box around its face: a ray that all but grazes the face rounds to anywhere on its plane.
+fn within(
+    [low, high]: [DVec2; 2],
+    mut line: Discontinuity,
+    ends: [DVec2; 2],
+) -> Option<(Discontinuity, [DVec2; 2])> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    let d = ends[1] - ends[0];
+    for k in 0..2 {
+        let (a, b) = ((low[k] - ends[0][k]) / d[k], (high[k] - ends[0][k]) / d[k]);
+        let is_inside = low[k] <= ends[0][k] && ends[0][k] <= high[k];
+        if d[k].abs() > 0.0 {
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        } else if !is_inside {
+            return None;
+        }
+    }
+    if !(ends[0].is_finite() && ends[1].is_finite() && from < to) {
+        return None;
+    }
+    if from <= 0.0 && to >= 1.0 {
+        return Some((line, ends));
+    }
+    let cut = [from, to];
+    line.ends = cut.map(|t| line.ends[0].lerp(line.ends[1], t));
+    Some((line, cut.map(|t| ends[0].lerp(ends[1], t))))
 }
 
 /// True when one edge of the outline holds both ends within `tol`.
@@ -141,12 +173,19 @@ impl LineIndex {
         } else {
             d
         };
-        (d.to_angle(), d.perp_dot(a.midpoint(b) - self.centre))
+        let angle = d.to_angle();
+        // What rounds to half a turn is none, seen from the line's other side.
+        let (angle, d) = if sector_of(angle) >= SECTORS as i64 {
+            (0.0, -d)
+        } else {
+            (angle, d)
+        };
+        (angle, d.perp_dot(a.midpoint(b) - self.centre))
     }
 
     fn add(&mut self, ends: [DVec2; 2], class: usize) {
         let (angle, distance) = self.place(ends);
-        let sector = &mut self.sectors[sector_of(angle) as usize % SECTORS];
+        let sector = &mut self.sectors[sector_of(angle) as usize];
         let at = sector.partition_point(|s| s.0 < distance);
         sector.insert(at, (distance, class));
     }
@@ -182,6 +221,11 @@ fn sector_of(angle: f64) -> i64 {
     (angle / PI * SECTORS as f64).floor() as i64
 }
 
+/// What a line made of several is named after: the lowest order, and contacts before shadows.
+fn rank(line: &Discontinuity) -> (DiscontinuityOrder, bool) {
+    (line.order, line.kind != EventKind::Contact)
+}
+
 impl Class {
     fn united(mut self, tol: f64) -> Vec<Discontinuity> {
         self.stretches.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -191,7 +235,7 @@ impl Class {
                 Some(last) if a <= last.1 + tol => {
                     last.1 = last.1.max(b);
                     let jump = last.2.jump.max(d.jump);
-                    if d.order < last.2.order {
+                    if rank(&d) < rank(&last.2) {
                         last.2 = d;
                     }
                     last.2.jump = jump;
@@ -215,5 +259,40 @@ impl Class {
                 d
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discontinuity::{Cause, EventKind};
+    use crate::scene::{FaceId, FaceSide};
+
+    fn line(a: DVec2, b: DVec2) -> (Discontinuity, [DVec2; 2]) {
+        let line = Discontinuity {
+            face: FaceId(0),
+            side: FaceSide::Front,
+            ends: [a, b].map(|p| p.extend(0.0)),
+            order: DiscontinuityOrder::D1,
+            kind: EventKind::Horizon,
+            emitter: None,
+            cause: Cause::EmitterPlane,
+            jump: 1.0,
+        };
+        (line, [a, b])
+    }
+
+    /// The direction of the second is half a turn once it is rounded, that of the third none.
+    #[test]
+    fn a_line_is_found_from_both_its_ends() {
+        let tiny = 1e-17;
+        let others = || [line(DVec2::new(9.0, 9.0), DVec2::new(8.0, 1.0))];
+        for (from, to) in [(0.0, tiny), (tiny, 0.0)] {
+            let mut lines = vec![line(DVec2::ZERO, DVec2::new(4.0, 0.0))];
+            lines.push(line(DVec2::new(3.0, from), DVec2::new(1.0, to)));
+            lines.push(line(DVec2::new(1.5, to), DVec2::new(2.5, from)));
+            lines.extend(others());
+            assert_eq!(merge(lines, 1e-9).len(), 2, "{from} {to}");
+        }
     }
 }

@@ -14,6 +14,7 @@
 mod plane_view;
 
 use self::plane_view::{Cell, Feature, Obstacle, PlaneView, Stretch};
+use super::event::Search;
 use super::trace::Landing;
 use super::wedge::{self, Cut};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
@@ -23,16 +24,22 @@ use crate::scene::{EmitterId, FaceId, FaceSide, Scene};
 use crate::visibility::{Region, Scratch, Viewpoint};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// The lines of all faces' planes, for all emitters.
-pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
+pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
+    let (scene, light) = (search.scene, search.light);
     let faces: Vec<FaceId> = scene.faces.ids().collect();
     let found: Vec<Vec<Discontinuity>> = faces
         .par_iter()
         .map(|&face| {
             let mut out = Vec::new();
             for polygons in light.polygons.chunk_by(|a, b| a.emitter == b.emitter) {
-                past_face(scene, light, polygons, face, &mut out);
+                let corners = scene.faces[face].loops.iter().flatten();
+                let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
+                if search.is_within_reach(polygons[0].emitter, &corners) {
+                    past_face(search, polygons, face, &mut out);
+                }
             }
             out
         })
@@ -42,12 +49,12 @@ pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
 
 /// The lines of the plane of `face`, for the emitter made of `polygons`.
 fn past_face(
-    scene: &Scene,
-    light: &DirectLight,
+    search: &Search,
     polygons: &[EmitterPolygon],
     face: FaceId,
     out: &mut Vec<Discontinuity>,
 ) {
+    let (scene, light) = (search.scene, search.light);
     let emitter = polygons[0].emitter;
     if scene.emitters[emitter].face == face {
         return;
@@ -62,7 +69,11 @@ fn past_face(
     let mut scratch = Scratch::default();
     for l in united(stretches, scene.weld_distance) {
         let jump = jump_at(scene, light, emitter, &l, &mut scratch);
-        if jump > 0.0 && l.face != face && l.ends[0].distance(l.ends[1]) > scene.weld_distance {
+        if jump > 0.0
+            && jump >= search.least
+            && l.face != face
+            && l.ends[0].distance(l.ends[1]) > scene.weld_distance
+        {
             out.push(Discontinuity {
                 face: l.face,
                 side: l.side,

@@ -327,7 +327,7 @@ impl Swath<'_> {
         let emitter = self.triple.emitter;
         let jump = predicted_jump(scene, search.light, emitter, end, &features, search.floor);
         let is_long = arc.at(from).distance(arc.at(to)) > scene.weld_distance;
-        let Some(jump) = jump.filter(|_| is_long) else {
+        let Some(jump) = jump.filter(|j| is_long && *j >= search.least) else {
             return false;
         };
         arcs.push(Arc {

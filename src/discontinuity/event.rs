@@ -1,14 +1,15 @@
 //! Enumerates the critical events, culls them, and has the rest traced.
 
 use super::corner::Corners;
+use super::from_emitter::{past_edges, past_vertices};
+use super::reach::Reach;
 use super::span::LitSpans;
-use super::trace::{self, Landing, Touch, Traced};
-use super::wedge::{Apex, Wedge, side_of_face};
-use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
+use super::trace::Touch;
+use super::wedge::side_of_face;
+use super::{Cause, Discontinuity, LineTolerance};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
 use crate::scene::{EdgeId, EdgeUse, EmitterId, IdVec, Scene, VertexId};
-use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 
 /// What exceeds a threshold so many times does so whatever rounding did.
@@ -100,13 +101,20 @@ pub(super) struct Search<'a> {
     pub(super) floor: f64,
     /// The edges that meet at each vertex.
     pub(super) incident: IdVec<VertexId, Vec<EdgeId>>,
+    /// Lines that break by less than this are left out, W/m².
+    pub(super) least: f64,
+    reach: Reach,
     corners: Corners,
     /// The edges of each emitter's outline, sorted.
     rims: IdVec<EmitterId, Vec<EdgeId>>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, light: &'a DirectLight<'a>, floor: f64) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        light: &'a DirectLight<'a>,
+        tolerance: LineTolerance,
+    ) -> Self {
         let mut incident = IdVec::from(vec![Vec::new(); scene.vertices.len()]);
         for (id, edge) in scene.edges.iter() {
             for v in edge.ends {
@@ -126,7 +134,9 @@ impl<'a> Search<'a> {
         Self {
             scene,
             light,
-            floor,
+            floor: tolerance.floor,
+            least: tolerance.least,
+            reach: Reach::new(scene, light, tolerance.least),
             incident,
             corners: Corners::new(scene, light.blockers),
             rims: IdVec::from(rims),
@@ -155,6 +165,11 @@ impl<'a> Search<'a> {
             } => past_edges(self, emitter, vertex, neighbours),
             Job::Edge { emitter, ends } => past_vertices(self, emitter, ends),
         }
+    }
+
+    /// False when the emitter gives too little there, or beyond, for any line: farther from it than it matters.
+    pub(super) fn is_within_reach(&self, emitter: EmitterId, points: &[DVec3]) -> bool {
+        self.reach.holds(emitter, points)
     }
 
     /// False when no ray can graze the vertex: nothing ends there, or a face covers it.
@@ -240,137 +255,6 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The plane of an emitter, normal towards where it shines.
-fn emitter_plane(scene: &Scene, emitter: EmitterId) -> Plane {
-    let e = scene.emitters[emitter];
-    Plane::new(
-        scene.faces[e.face].frame.origin,
-        scene.normal(e.face, e.side),
-    )
-}
-
-/// VE wedges of one emitter vertex.
-fn past_edges(
-    search: &Search,
-    emitter: EmitterId,
-    vertex: VertexId,
-    neighbours: [VertexId; 2],
-) -> Found {
-    let (scene, light) = (search.scene, search.light);
-    let plane = emitter_plane(scene, emitter);
-    let mut found = Found::default();
-    let apex_position = scene.vertices[vertex];
-    let apex = Apex::Vertex(vertex, apex_position);
-    let tol = scene.weld_distance;
-    for (id, edge) in scene.edges.iter() {
-        let Some(rim) = in_front(scene, &plane, edge.ends) else {
-            found.culled += 1;
-            continue;
-        };
-        if edge.ends.contains(&vertex) {
-            continue;
-        }
-        if search.is_certainly_no_silhouette(id, apex_position) {
-            found.culled += 1;
-            continue;
-        }
-        let wedge = Wedge::new(apex, rim, Some(edge.ends), tol)
-            .filter(|w| is_silhouette(scene, &w.plane, id));
-        let Some(wedge) = wedge else {
-            found.culled += 1;
-            continue;
-        };
-        found.wedges += 1;
-        let traced = trace::past_edge(&wedge, scene, light.blockers);
-        if traced.is_nothing() {
-            continue;
-        }
-        let order = if neighbours
-            .iter()
-            .any(|&v| wedge.plane.distance(scene.vertices[v]).abs() <= tol)
-        {
-            DiscontinuityOrder::D1
-        } else {
-            DiscontinuityOrder::D2
-        };
-        let cause = Cause::VertexEdge(vertex, id);
-        push(
-            search,
-            emitter,
-            order,
-            EventKind::Ve,
-            cause,
-            traced,
-            &mut found,
-        );
-    }
-    found
-}
-
-/// EV wedges of one emitter edge.
-fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId; 2]) -> Found {
-    let (scene, light) = (search.scene, search.light);
-    let plane = emitter_plane(scene, emitter);
-    let mut found = Found::default();
-    let rim = ends.map(|v| scene.vertices[v]);
-    let tol = scene.weld_distance;
-    for (vertex, &position) in scene.vertices.iter() {
-        if plane.distance(position) <= tol
-            || ends.contains(&vertex)
-            || search.corners.is_unused(vertex)
-            || search.corners.is_covered(vertex)
-        {
-            found.culled += 1;
-            continue;
-        }
-        let Some(wedge) = Wedge::new(Apex::Vertex(vertex, position), rim, Some(ends), tol) else {
-            found.culled += 1;
-            continue;
-        };
-        let lit = search.grazing(vertex, rim);
-        if lit.is_empty() {
-            found.culled += 1;
-            continue;
-        }
-        found.wedges += 1;
-        let traced = trace::past_vertex(&wedge, lit, scene, light.blockers);
-        if traced.is_nothing() {
-            continue;
-        }
-        let order = if search.runs_in_plane(vertex, &wedge.plane) {
-            DiscontinuityOrder::D1
-        } else {
-            DiscontinuityOrder::D2
-        };
-        let cause = Cause::EdgeVertex(ends, vertex);
-        push(
-            search,
-            emitter,
-            order,
-            EventKind::Ev,
-            cause,
-            traced,
-            &mut found,
-        );
-    }
-    found
-}
-
-/// The part of an edge in front of the emitter; none when there is none.
-fn in_front(scene: &Scene, plane: &Plane, ends: [VertexId; 2]) -> Option<[DVec3; 2]> {
-    let [a, b] = ends.map(|v| scene.vertices[v]);
-    let (da, db) = (plane.distance(a), plane.distance(b));
-    let tol = scene.weld_distance;
-    if da <= tol && db <= tol {
-        return None;
-    }
-    let cut = a + (b - a) * (da / (da - db));
-    Some([
-        if da < -tol { cut } else { a },
-        if db < -tol { cut } else { b },
-    ])
-}
-
 /// True when the faces along `edge` that do not lie in `plane` are all on one side of it, and there is one: light
 /// grazes the edge on the other side. A concave edge of a solid never qualifies, a border always does.
 pub(super) fn is_silhouette(scene: &Scene, plane: &Plane, edge: EdgeId) -> bool {
@@ -402,52 +286,4 @@ fn grazing(corners: &Corners, vertex: VertexId, position: DVec3, rim: [DVec3; 2]
         }
     }
     lit
-}
-
-/// Turns landings into lines with their predicted jump.
-fn push(
-    search: &Search,
-    emitter: EmitterId,
-    order: DiscontinuityOrder,
-    kind: EventKind,
-    cause: Cause,
-    traced: Traced,
-    found: &mut Found,
-) {
-    found.touch(emitter, cause, traced.touches);
-    let mut scratch = Scratch::default();
-    for l in traced.landings {
-        let jump = predicted_jump(search, emitter, &l, &mut scratch)
-            * match order {
-                DiscontinuityOrder::D2 => 0.5,
-                _ => 1.0,
-            };
-        if jump > 0.0 {
-            found.lines.push(Discontinuity {
-                face: l.face,
-                side: l.side,
-                ends: l.ends,
-                order,
-                kind,
-                emitter: Some(emitter),
-                cause,
-                jump,
-            });
-        }
-    }
-}
-
-/// What the whole emitter gives, unoccluded, at the middle of the line.
-fn predicted_jump(
-    search: &Search,
-    emitter: EmitterId,
-    landing: &Landing,
-    scratch: &mut Scratch,
-) -> f64 {
-    let middle = 0.5 * (landing.ends[0] + landing.ends[1]);
-    let normal = search.scene.normal(landing.face, landing.side);
-    search
-        .light
-        .unoccluded_from(emitter, &Viewpoint::new(middle, normal), scratch)
-        .mean()
 }

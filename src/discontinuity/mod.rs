@@ -21,11 +21,13 @@ mod corner;
 mod edge_on;
 mod eee;
 mod event;
+mod from_emitter;
 mod horizon;
 mod merge;
 mod nve;
 mod outline;
 mod punctual;
+mod reach;
 mod span;
 mod strength;
 mod trace;
@@ -54,6 +56,9 @@ pub struct LineTolerance {
     /// NVE and EEE lines are left out when their predicted break is below this share of what the whole emitter gives there;
     /// 0 keeps all.
     pub floor: f64,
+    /// Lines are left out when their predicted break is below this, W/m²; 0 keeps all. Where an emitter is too far away to
+    /// give so much, none are looked for.
+    pub least: f64,
     /// Chords depart from their arc by no more than this share of the receiver's size (the root of its area).
     pub chord: f64,
 }
@@ -63,6 +68,7 @@ impl Default for LineTolerance {
     fn default() -> Self {
         Self {
             floor: 0.0,
+            least: 0.0,
             chord: 2.5e-4,
         }
     }
@@ -249,7 +255,7 @@ fn slot(face: FaceId, side: FaceSide) -> usize {
 pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) -> LineMap {
     let blockers: &Blockers = light.blockers;
     let jobs = event::jobs(scene);
-    let search = event::Search::new(scene, light, tolerance.floor);
+    let search = event::Search::new(scene, light, tolerance);
     let mut found: Vec<Found> = jobs.par_iter().map(|job| search.run(job)).collect();
     let vertices: Vec<VertexId> = scene.vertices.ids().collect();
     found.par_extend(
@@ -274,7 +280,7 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
     for s in horizon::find(scene, light) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
-    for s in edge_on::find(scene, light) {
+    for s in edge_on::find(&search) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
     for s in contact::find(scene, light) {

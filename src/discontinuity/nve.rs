@@ -40,6 +40,7 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
     let eye = scene.vertices[vertex];
     for polygon in &light.polygons {
         if polygon.plane.distance(eye) <= scene.weld_distance
+            || !search.is_within_reach(polygon.emitter, &[eye])
             || !search.may_be_grazed_towards(vertex, &polygon.corners)
         {
             continue;
@@ -205,7 +206,9 @@ fn past_edge(
             point,
         };
         let jump = predicted_jump(scene, light, emitter, end, &features, search.floor);
-        let Some(jump) = jump else { continue };
+        let Some(jump) = jump.filter(|j| *j >= search.least) else {
+            continue;
+        };
         is_strong = true;
         found.lines.push(Discontinuity {
             face: l.face,

@@ -95,6 +95,23 @@ fn beside_lines(scene: &Scene, lines: &FaceLines) -> Vec<Viewpoint> {
         .collect()
 }
 
+/// The mean irradiance of all sides if nothing were lost of what the emitters leave, W/m².
+pub(super) fn greatest_mean(
+    scene: &Scene,
+    direct: &DirectLight,
+    sides: &[(FaceId, FaceSide)],
+) -> f64 {
+    let exitance = |e| {
+        let own = direct.polygons.iter().find(|p| p.emitter == e);
+        own.map_or(0.0, |p| p.exitance.mean())
+    };
+    let emitters = scene.emitters.iter();
+    let power: f64 = emitters
+        .map(|(id, e)| exitance(id) * scene.faces[e.face].area)
+        .sum();
+    power / sides.iter().map(|s| scene.faces[s.0].area).sum::<f64>()
+}
+
 /// About the mean of the direct irradiance over the lit sides, W/m²: at points spread evenly over their area, by single
 /// rays.
 pub(super) fn guess_direct(

@@ -38,7 +38,7 @@ use crate::settings::Settings;
 use crate::visibility::Blockers;
 use crate::warning::Warning;
 use indirect::{Rooms, Shown, request};
-use lit::{guess_direct, lit_sides};
+use lit::{greatest_mean, guess_direct, lit_sides};
 use std::time::Instant;
 
 /// Why a scene could not be lit.
@@ -55,6 +55,10 @@ pub enum LightError {
 /// Lines of the second kind are left out when they change less than this share of the error asked for, relative to what
 /// the emitter gives there unoccluded: through the slats of a blind they are many, and elements are cheaper than lines.
 const LINE_FLOOR: f64 = 1.0;
+
+/// Lines that break by less than this share of the error asked for, of the mean irradiance that all emitters together could give,
+/// are left out: of hundreds of lamps each is dim in most of the building.
+const LINE_LEAST: f64 = 0.25;
 
 /// Chords of arcs are off by this share of the error asked for, relative to the size of their face: a tenth of a percent
 /// of it for an error of one.
@@ -170,6 +174,7 @@ pub fn light<'a>(
     clock.start("lines", &mut summary);
     let tolerance = LineTolerance {
         floor: settings.error * LINE_FLOOR,
+        least: settings.error * LINE_LEAST * greatest_mean(scene, &direct, &receiver_sides(scene)),
         chord: settings.error * LINE_CHORD,
     };
     let mut lines = find_lines(scene, &direct, tolerance);

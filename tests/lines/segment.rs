@@ -20,7 +20,7 @@ const HALF_WIDTH: f64 = 3e-4;
 const DARK: f64 = 1e-9;
 
 /// Pieces of the umbra of this scene.
-const PIECES: usize = 3;
+const PIECES: usize = 4;
 
 /// Pieces of fewer points are the ends of others.
 const SMALLEST: usize = 4;
@@ -37,14 +37,14 @@ fn scene() -> ObjMesh {
     // Found by a search for as many pieces as possible.
     let triangles = [
         [
-            [-0.881, 1.369, 0.214],
-            [-0.111, 1.283, -0.728],
-            [1.373, 0.535, 0.319],
+            [1.813, 1.612, 1.979],
+            [-0.290, 0.558, 0.232],
+            [2.192, 1.672, 0.970],
         ],
         [
-            [-1.773, 1.195, 1.799],
-            [0.312, 1.65, 1.548],
-            [-2.056, 0.222, -0.415],
+            [-0.265, 0.929, 2.133],
+            [3.929, 1.541, -1.845],
+            [-1.162, 0.956, 3.933],
         ],
     ];
     for t in &triangles {

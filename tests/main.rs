@@ -16,6 +16,7 @@
 //! - `lines`: the lines on the receivers, where closed forms say.
 //! - `manufactured`: a solution that was chosen is found, and how fast.
 //! - `metamorphic`: what must not change when the scene is turned, moved, scaled or reordered.
+//! - `nasty`: scenes made of coincidences, whole.
 //! - `punctual`: lights without a surface.
 //! - `references`: the references that other tests trust, held against closed forms and against each other.
 //! - `robust`: broken files are read, or refused in one line.
@@ -44,6 +45,7 @@ mod layering;
 mod lines;
 mod manufactured;
 mod metamorphic;
+mod nasty;
 mod punctual;
 mod references;
 mod robust;

@@ -29,7 +29,7 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
     rows.add(
         "surfaces",
         format!(
-            "{}, {}, {}; {} emitting; light reaches {} of {} sides, {} m²",
+            "{}, {}, {}; {} emitting{}; light reaches {} of {} sides, {} m²",
             count(c.faces, "face"),
             count(c.edges, "edge"),
             if c.vertices == 1 {
@@ -38,6 +38,10 @@ pub(super) fn summary_table(world: &World, s: &Summary) -> String {
                 format!("{} vertices", c.vertices)
             },
             count(c.emitters, "side"),
+            match c.lights {
+                0 => String::new(),
+                n => format!(", {}", count(n, "light")),
+            },
             s.lit_sides,
             s.sides,
             significant(s.lit_area_m2)

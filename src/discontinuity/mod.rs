@@ -286,7 +286,8 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
     for s in contact::find(scene, light) {
         lines[slot(s.face, s.side)].contacts.push(s);
     }
-    for s in punctual::shadows(scene, light) {
+    let shadows = punctual::shadows(scene, light);
+    for s in shadows.into_iter().filter(|s| s.jump >= tolerance.least) {
         lines[slot(s.face, s.side)].contacts.push(s);
     }
     for s in punctual::cones(scene, light, tolerance.chord) {

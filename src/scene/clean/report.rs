@@ -51,6 +51,8 @@ pub struct CleanReport {
     pub non_manifold_edges: usize,
     /// Emitting sides of faces.
     pub emitters: usize,
+    /// Lights without a surface.
+    pub lights: usize,
 }
 
 impl CleanReport {
@@ -69,6 +71,7 @@ impl CleanReport {
         self.boundary_edges = edges_with(|uses| uses == 1);
         self.non_manifold_edges = edges_with(|uses| uses > 2);
         self.emitters = scene.emitters.len();
+        self.lights = scene.lights.len();
     }
 
     /// One line a kind of repair; `crossing` holds the file indices of the polygons that cross themselves.

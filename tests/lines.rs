@@ -2,6 +2,7 @@
 
 pub(crate) mod cities;
 mod growth;
+mod lamps;
 mod measure;
 mod segment;
 

@@ -351,11 +351,11 @@ pub fn regions(
         let mut stack = vec![first];
         while let Some(t) = stack.pop() {
             for k in 0..3 {
-                if let Some(u) = triangulation.beyond(t, k, inside, &barrier) {
-                    if region[u].is_none() {
-                        region[u] = Some(count);
-                        stack.push(u);
-                    }
+                if let Some(u) = triangulation.beyond(t, k, inside, &barrier)
+                    && region[u].is_none()
+                {
+                    region[u] = Some(count);
+                    stack.push(u);
                 }
             }
         }

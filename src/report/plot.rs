@@ -204,7 +204,7 @@ fn number(x: f64) -> String {
     }
     let mut parted = String::new();
     for (i, c) in text.chars().enumerate() {
-        if i > 0 && (text.len() - i) % 3 == 0 {
+        if i > 0 && (text.len() - i).is_multiple_of(3) {
             parted.push('\u{2009}');
         }
         parted.push(c);

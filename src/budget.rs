@@ -163,14 +163,16 @@ mod tests {
 
     #[test]
     fn any_subset_in_any_order() {
-        let all: Budget = "memory=1.5, time=30 ,elements=5000".parse().unwrap();
+        let all: Budget = "memory=1.5, time=30 ,elements=5000"
+            .parse()
+            .expect("a budget");
         let expected = Budget {
             elements: Some(5000),
             seconds: Some(30.0),
             memory: Some(1_500_000),
         };
         assert_eq!(all, expected);
-        let one: Budget = "time=0.5".parse().unwrap();
+        let one: Budget = "time=0.5".parse().expect("a budget");
         assert_eq!(
             (one.seconds, one.elements, one.memory),
             (Some(0.5), None, None)
@@ -191,7 +193,7 @@ mod tests {
             ("time=1,time=2", "time is limited twice"),
             ("time=1,", "\"\" is no limit"),
         ] {
-            let error = text.parse::<Budget>().unwrap_err().to_string();
+            let error = text.parse::<Budget>().expect_err("no budget").to_string();
             assert!(error.contains(what), "{text}: {error}");
             assert!(error.contains("elements=N") && !error.contains('\n'));
         }

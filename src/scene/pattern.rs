@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn a_ramp_is_a_ramp_between_the_outermost_middles() {
-        let pattern = ramp(64).unwrap();
+        let pattern = ramp(64).expect("a pattern");
         for (x, y) in [(0.05, 0.1), (0.3, 0.0), (0.512, 0.5), (0.95, 0.25)] {
             let found = pattern.at(DVec2::new(x, y)).mean();
             assert!((found - x).abs() < 1e-12, "{found} at {x}");

@@ -200,10 +200,10 @@ impl PathTracer {
                 stack.extend([node + 1, b.first]);
             }
             for i in b.first..b.first + b.count {
-                if let Some(t) = intersect(&self.triangles[i], origin, direction) {
-                    if t < best.0 {
-                        best = (t, i);
-                    }
+                if let Some(t) = intersect(&self.triangles[i], origin, direction)
+                    && t < best.0
+                {
+                    best = (t, i);
                 }
             }
         }

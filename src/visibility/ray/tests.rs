@@ -108,7 +108,7 @@ fn nearest_and_blocked_agree_with_trying_every_triangle() {
             .min_by(|p, q| p.t.total_cmp(&q.t))
             .copied();
         assert_eq!(caster.nearest(a, b - a, 0.1, f64::INFINITY), expected);
-        let even = |i: u32| i % 2 == 0;
+        let even = |i: u32| i.is_multiple_of(2);
         let expected = all
             .iter()
             .any(|h| h.t > 0.2 && h.t < 0.9 && !even(h.triangle));

@@ -221,11 +221,11 @@ fn the_truth_is_exact_enough() {
 }
 
 /// Orders of what is gathered and of the field, away from edges and near them.
-fn orders(spacings: &[f64]) -> [f64; 4] {
+fn orders(nodes: usize, spacings: &[f64]) -> [f64; 4] {
     let world = cube();
     let case = Case {
         world: &world,
-        rule: gauss(NODES),
+        rule: gauss(nodes),
     };
     let (away, near) = (points(120, false), points(120, true));
     let mut errors = [const { Vec::new() }; 4];
@@ -249,14 +249,14 @@ fn orders(spacings: &[f64]) -> [f64; 4] {
 
 #[test]
 fn the_error_shrinks_with_the_square_of_the_spacing() {
-    let [gathered, ..] = orders(&[0.5, 0.25]);
+    let [gathered, ..] = orders(NODES, &[0.5, 0.25]);
     assert!(gathered >= 1.8, "{gathered}");
 }
 
 #[test]
 #[ignore = "a minute: a finer mesh"]
 fn the_error_shrinks_with_the_square_of_a_small_spacing() {
-    let [gathered, between, ..] = orders(&[0.5, 0.25, 0.125]);
+    let [gathered, between, ..] = orders(2 * NODES, &[0.5, 0.25, 0.125]);
     assert!(gathered >= 1.8 && between >= 1.8, "{gathered}, {between}");
 }
 
@@ -286,8 +286,9 @@ fn refining_where_the_error_is_restores_the_order_at_edges() {
             field.gathers()
         );
     }
-    // Of the mean spacing, which goes with one over the square root of the number of points.
-    let [first, .., last] = rows[..] else {
+    // Of the mean spacing, which goes with one over the square root of the number of points. The first target is met by the
+    // solution itself, and shows the order of even spacing: about 1.
+    let [_, first, last] = rows[..] else {
         panic!("three rows")
     };
     let order = 2.0 * (first.1 / last.1).ln() / (last.0 / first.0).ln();

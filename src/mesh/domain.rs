@@ -173,6 +173,12 @@ impl FaceDomain {
         points
     }
 
+    /// The edges of the scene that the outline runs along, their ends (frame coordinates, metres) in the edge's own direction.
+    pub fn outline_edges(&self) -> impl Iterator<Item = (EdgeId, [DVec2; 2])> + '_ {
+        let ends = |o: &OutlineEdge| o.ends.map(|g| self.grid.to_plane(g));
+        self.outline.iter().map(move |o| (o.edge, ends(o)))
+    }
+
     /// The mesh along outline, contact lines, the candidate lines listed in `kept`, and through `points`.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use crate::quantity::Irradiance;
 use crate::radiosity::{
     Basis, Bounces, IndirectField, Linking, Locator, Request, SolveMesh, Solver,
 };
-use crate::scene::{FaceId, FaceSide, Scene};
+use crate::scene::{EdgeId, FaceId, FaceSide, Scene};
 use crate::settings::Settings;
 use crate::visibility::{Blockers, Scratch};
 use glam::DVec2;
@@ -30,6 +30,10 @@ const SOLVE_ELEMENTS: f64 = 150.0;
 /// Their number grows as error to minus this power.
 const SOLVE_EXPONENT: f64 = 0.4;
 
+/// From this error (relative) on the solve mesh is graded towards concave edges: at 0.5 to 0.2 % that took 0.7 of the time over
+/// three rooms (0.2 to 1.5, as it spares a round or costs one); at 1 % and above, with 35 to 80 % more links, it saved nothing.
+const GRADED_ERROR: f64 = 0.005;
+
 /// Area of an equilateral triangle of side 1: elements of a staggered lattice.
 const LATTICE_TRIANGLE: f64 = 0.433;
 
@@ -45,13 +49,36 @@ pub(super) struct Rooms<'r> {
     pub(super) is_lit: &'r [bool],
 }
 
+/// Mean irradiance over the lit sides, W/m².
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Guess {
+    /// Straight from the emitters.
+    pub(super) direct: f64,
+    /// By way of other faces.
+    pub(super) indirect: f64,
+}
+
 impl Rooms<'_> {
-    /// The solve mesh of all lit sides for an error (relative).
-    pub(super) fn solve_mesh(&self, error: f64) -> Result<SolveMesh, MeshError> {
-        self.mesh(SOLVE_ELEMENTS * (0.01 / error).powf(SOLVE_EXPONENT))
+    /// The solve mesh of all lit sides for an error (relative), graded towards edges that are lit by more than that where
+    /// so little is permitted that it pays.
+    pub(super) fn solve_mesh(
+        &self,
+        error: f64,
+        direct: &DirectLight,
+        guess: Guess,
+    ) -> Result<SolveMesh, MeshError> {
+        let elements = SOLVE_ELEMENTS * (0.01 / error).powf(SOLVE_EXPONENT);
+        let permitted = error * (guess.direct + guess.indirect);
+        self.mesh(elements, |domain, edge| {
+            error <= GRADED_ERROR && self.is_edge_lit(domain, edge, direct, guess, permitted)
+        })
     }
 
-    fn mesh(&self, elements: f64) -> Result<SolveMesh, MeshError> {
+    fn mesh(
+        &self,
+        elements: f64,
+        is_graded: impl Fn(&FaceDomain, EdgeId) -> bool,
+    ) -> Result<SolveMesh, MeshError> {
         let scene = self.scene;
         let lit = || {
             let both = self.sides.iter().zip(self.is_lit);
@@ -66,12 +93,12 @@ impl Rooms<'_> {
                 (domain, scene.faces[face].reflectance)
             })
             .collect();
-        SolveMesh::new(domains, spacing)
+        SolveMesh::graded(domains, spacing, is_graded)
     }
 
-    /// Mean indirect irradiance over the lit sides, roughly, W/m².
-    pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<f64, MeshError> {
-        let mesh = self.mesh(GUESS_ELEMENTS)?;
+    /// Mean irradiance over the lit sides, roughly.
+    pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<Guess, MeshError> {
+        let mesh = self.mesh(GUESS_ELEMENTS, |_, _| false)?;
         let at_sites: Vec<Vec<Irradiance>> = mesh
             .faces
             .par_iter()
@@ -100,7 +127,10 @@ impl Rooms<'_> {
                 }
             })
             .expect("only the dense solver has a limit");
-        Ok(field.mean())
+        Ok(Guess {
+            direct: mean,
+            indirect: field.mean(),
+        })
     }
 }
 

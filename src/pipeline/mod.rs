@@ -5,6 +5,7 @@ mod convergence;
 mod energy;
 mod estimate;
 mod exposure;
+mod grading;
 mod indirect;
 mod lines;
 mod lit;
@@ -203,8 +204,9 @@ pub fn light<'a>(
     let (mut mean_indirect, mut solve_mesh) = (0.0, None);
     if with_bounces {
         clock.start("first guess", &mut summary);
-        mean_indirect = rooms.guess(&direct, settings.bounces)?;
-        let mesh = rooms.solve_mesh(settings.error)?;
+        let guess = rooms.guess(&direct, settings.bounces)?;
+        mean_indirect = guess.indirect;
+        let mesh = rooms.solve_mesh(settings.error, &direct, guess)?;
         check_size(&mesh, &world.blockers, settings.solver, settings.basis)
             .map_err(|e| too_many(world, e))?;
         solve_mesh = Some(mesh);

@@ -4,7 +4,7 @@ use super::locator::Locator;
 use crate::geom::Plane;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
-use crate::scene::FaceSide;
+use crate::scene::{EdgeId, FaceSide};
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -15,6 +15,13 @@ const SMALL_SHARE: f64 = 0.25;
 /// Links are not asked to be more exact than for light that is reflected so many times over: where less than this is
 /// absorbed, openings decide.
 const LEAST_LOSS: f64 = 1e-4;
+
+/// Distance of the row of points beside a graded edge, as a share of the spacing.
+///
+/// Near a concave edge the light goes like `B₀ − c r^γ`, γ from ½ to 1, and quadratic elements of even size are off by
+/// `O(h^γ)` there. Grading with exponent `2/γ ≈ 3` would put ever more rows ever closer; but the field refines itself where it is
+/// off, and a row at a sixteenth as well as at a quarter of the spacing cost more than it saved.
+const EDGE_ROW: f64 = 0.25;
 
 /// One side of one face in the solve mesh.
 pub struct SolveFace {
@@ -56,9 +63,28 @@ impl SolveMesh {
     /// # Errors
     /// [`MeshError`]: our own bug.
     pub fn new(domains: Vec<(FaceDomain, Rgb)>, spacing: f64) -> Result<Self, MeshError> {
+        Self::graded(domains, spacing, |_, _| false)
+    }
+
+    /// The same with a row of points close to those edges for which `is_graded(domain, edge)`.
+    ///
+    /// # Errors
+    /// [`MeshError`]: our own bug.
+    pub fn graded(
+        domains: Vec<(FaceDomain, Rgb)>,
+        spacing: f64,
+        is_graded: impl Fn(&FaceDomain, EdgeId) -> bool,
+    ) -> Result<Self, MeshError> {
         let mut faces = Vec::with_capacity(domains.len());
         for (domain, reflectance) in domains {
-            let points = domain.seed_points(spacing);
+            let mut points = domain.seed_points(spacing);
+            for (edge, ends) in domain.outline_edges() {
+                if is_graded(&domain, edge) {
+                    points.extend(row_beside(&domain, ends, spacing));
+                }
+            }
+            points.sort_unstable();
+            points.dedup();
             faces.push(SolveFace::new(domain, &points, reflectance, spacing)?);
         }
         Ok(Self { faces, spacing })
@@ -85,6 +111,25 @@ impl SolveMesh {
             .sum();
         if area > 0.0 { reflected / area } else { 0.0 }
     }
+}
+
+/// Points `spacing` apart along an edge, [`EDGE_ROW`] of that inside the face; none beside an edge that is shorter.
+fn row_beside(
+    domain: &FaceDomain,
+    [a, b]: [DVec2; 2],
+    spacing: f64,
+) -> impl Iterator<Item = GridPoint> + '_ {
+    let length = a.distance(b);
+    let count = (length / spacing).ceil().max(1.0) as u32;
+    let across = (b - a).perp() * (EDGE_ROW * spacing / length);
+    (1..count).filter_map(move |i| {
+        let on_edge = a.lerp(b, f64::from(i) / f64::from(count));
+        // The face lies on one side of its edge, or on both where it runs along it twice.
+        [on_edge + across, on_edge - across]
+            .into_iter()
+            .find(|&p| domain.polygon().contains(p))
+            .map(|p| domain.grid.snap(p))
+    })
 }
 
 impl SolveFace {

@@ -110,7 +110,6 @@ fn a_black_floor_in_a_room_that_absorbs_next_to_nothing() {
 }
 
 #[test]
-#[ignore = "Gauss–Seidel takes thousands of sweeps"]
 fn a_speck_of_black_in_a_room_that_absorbs_next_to_nothing() {
     let mut mesh = room([1.0, 1.0, 1.0], [0.9999; 3]);
     lamp(&mut mesh, [0.5, 0.5], 0.01, 0.9, 1.0);

@@ -360,10 +360,9 @@ fn too_many(world: &World, error: TooManyUnknowns) -> BadInput {
 /// Light that comes back again and again and is never lost, or too slowly for the solver.
 fn unsettled(world: &World, report: &SolveReport) -> BadInput {
     let what = format!(
-        "{} steps of {} have not settled the light between surfaces (one more changes {:.1e} of the largest radiosity)",
+        "light between surfaces does not settle in {} steps of {}: it is absorbed too slowly, or nowhere",
         report.residuals.len(),
-        report.method,
-        report.residual
+        report.method
     );
     let remedy = "lower the reflectances that are 1, let light out, or use --solver hierarchical";
     BadInput::new(&world.scene.source, what, remedy)

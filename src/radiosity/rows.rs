@@ -1,6 +1,6 @@
 //! The links of all nodes: what each sees of the cells.
 
-use super::cells::{FaceCells, RADON};
+use super::cells::{Cell, FaceCells, RADON};
 use super::gather::Oracle;
 use super::nodes::FaceNodes;
 use super::solvers::{Link, check};
@@ -78,7 +78,7 @@ impl Rows<'_> {
     }
 
     /// One node for each triangle that the spacing of the solve mesh asks for, or for a face that is no wider than that; each
-    /// linked with the mean of what is seen from it: in closed form where that is near and open, else by Radon's rule.
+    /// linked with the mean of what is seen from it: in closed form where all that is near is open, else by Radon's rule.
     pub(super) fn of_elements(
         &self,
         rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
@@ -154,10 +154,19 @@ impl Rows<'_> {
         }
         // Stable: equal cells stay in the order of the points.
         all.sort_by_key(|l| l.cell);
-        all.chunk_by(|a, b| a.cell == b.cell)
+        let cells: Vec<&[Seen]> = all.chunk_by(|a, b| a.cell == b.cell).collect();
+        // All or none: the mistakes of Radon's rule for cells that touch cancel in the sum of the row, which is exact.
+        let is_exact = cells
+            .iter()
+            .all(|same| !self.is_near(element, same) || self.is_open(element, same));
+        cells
+            .iter()
             .map(|same| {
-                let by_points: f64 = same.iter().map(|s| s.share * s.form_factor).sum();
-                let form_factor = self.in_full_view(element, area, same).unwrap_or(by_points);
+                let exact = (is_exact && self.is_near(element, same))
+                    .then(|| self.exact(element, area, same))
+                    .flatten();
+                let by_points = || same.iter().map(|s| s.share * s.form_factor).sum();
+                let form_factor: f64 = exact.unwrap_or_else(by_points);
                 Link {
                     cell: same[0].cell,
                     weights: [form_factor / 3.0; 3],
@@ -166,35 +175,42 @@ impl Rows<'_> {
             .collect()
     }
 
-    /// The exact mean form factor of a cell near by which nothing hides from any point of `element`: Radon's rule is off
-    /// by per cents where they touch.
-    fn in_full_view(&self, element: &Element, area: f64, seen: &[Seen]) -> Option<f64> {
-        if seen.len() != RADON.len() * element.cells.len() {
-            return None;
-        }
+    /// The cell that was seen.
+    fn cell(&self, seen: &[Seen]) -> &Cell {
         let number = seen[0].cell as usize;
         let f = self.first_cell.partition_point(|&first| first <= number) - 1;
-        let source = &self.trees[f].cells[number - self.first_cell[f]];
-        let normal = element.face.domain.normal;
-        let is_open = |s: &Seen| {
-            let known = form_factor(s.from, normal, &source.corners);
-            (known - s.form_factor).abs() <= ROW_ROUNDOFF
-        };
-        let near = |&c: &usize| {
+        &self.trees[f].cells[number - self.first_cell[f]]
+    }
+
+    /// Whether a cell is so near to `element` that Radon's rule may be off by per cents.
+    fn is_near(&self, element: &Element, seen: &[Seen]) -> bool {
+        let source = self.cell(seen);
+        element.cells.iter().any(|&c| {
             let cell = &element.tree.cells[c];
             let reach = NEAR_RADII * (cell.radius + source.radius);
             cell.centre.distance_squared(source.centre) <= reach * reach
-        };
-        if !element.cells.iter().any(near) || !seen.iter().all(is_open) {
-            return None;
-        }
-        let target = Patch::new(&source.corners, FLAT).ok()?;
+        })
+    }
+
+    /// Whether nothing hides a cell from any point of `element`.
+    fn is_open(&self, element: &Element, seen: &[Seen]) -> bool {
+        let source = self.cell(seen);
+        let normal = element.face.domain.normal;
+        seen.len() == RADON.len() * element.cells.len()
+            && seen.iter().all(|s| {
+                let known = form_factor(s.from, normal, &source.corners);
+                (known - s.form_factor).abs() <= ROW_ROUNDOFF
+            })
+    }
+
+    /// The mean form factor of a cell in full view, in closed form.
+    fn exact(&self, element: &Element, area: f64, seen: &[Seen]) -> Option<f64> {
+        let target = Patch::new(&self.cell(seen).corners, FLAT).ok()?;
         let mut sum = 0.0;
         for &c in &element.cells {
             let cell = &element.tree.cells[c];
             let patch = Patch::new(&cell.corners, FLAT).ok()?;
-            let exact = between(&patch, &target, EXACT).from_first();
-            sum += cell.area * exact.value;
+            sum += cell.area * between(&patch, &target, EXACT).from_first().value;
         }
         Some(sum / area)
     }

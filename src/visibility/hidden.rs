@@ -11,6 +11,9 @@ use smallvec::SmallVec;
 /// Rays at most. Where that many faces do not hide a target together it is usually seen, in part.
 const PROBES: usize = 12;
 
+/// In a world of no more screens than this finding all that are between costs less than the rays.
+const FEW_SCREENS: usize = 64;
+
 impl Scratch {
     /// True when the faces that a few rays from `view` meet hide all of `target` that is above the horizon. False says
     /// nothing.
@@ -21,6 +24,9 @@ impl Scratch {
         target: Target,
         cones: &mut Cones,
     ) -> bool {
+        if blockers.screen_count() <= FEW_SCREENS {
+            return false;
+        }
         for _ in 0..PROBES {
             let Some(base) = self.pieces.last() else {
                 return true;

@@ -1,0 +1,378 @@
+//! The stages of a bake, one function each, and what they share: the settings, the budget, the clock and the summary.
+
+use super::indirect::{Rooms, Shown, request};
+use super::lit::greatest_mean;
+use super::{LightError, Progress, Solution, Summary, World, mean_of};
+use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
+use crate::bad_input::BadInput;
+use crate::budget::{Limit, Meter};
+use crate::direct::DirectLight;
+use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines};
+use crate::mesh::MeshError;
+use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
+use crate::scene::{FaceId, FaceSide, Scene};
+use crate::settings::Settings;
+use std::time::Instant;
+
+/// Lines of the second kind are left out when they change less than this share of the error asked for, relative to what
+/// the emitter gives there unoccluded: through the slats of a blind they are many, and elements are cheaper than lines.
+const LINE_FLOOR: f64 = 1.0;
+
+/// Lines that break by less than this share of the error asked for, of the mean irradiance that all emitters together could give,
+/// are left out: of hundreds of lamps each is dim in most of the building.
+const LINE_LEAST: f64 = 0.25;
+
+/// Chords of arcs are off by this share of the error asked for, relative to the size of their face: a tenth of a percent
+/// of it for an error of one.
+const LINE_CHORD: f64 = 0.1;
+
+/// Pairs of neighbouring points whose outlines of the emitters are compared, to tell whether lines were missed.
+const OUTLINE_PAIRS: usize = 200;
+
+/// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
+/// squares, and the rest is left to the solution.
+pub(super) const DISPLAY_SHARE: f64 = 0.8;
+pub(super) const FIELD_SHARE: f64 = 0.45;
+
+/// A part that exceeded its share is asked for so much more than its excess.
+const MISSED_MARGIN: f64 = 0.9;
+
+/// The mesh is refined again at most so often when the measured error exceeds the one asked for.
+const MAX_ROUNDS: usize = 4;
+
+/// The solution is corrected by its own residual until a correction is below this share of the permitted error: what it
+/// leaves to the next one is smaller by far.
+const CORRECTION_SHARE: f64 = 0.4;
+
+/// The first correction is made once the field is within this many times its permitted error.
+const FIRST_CORRECTION: f64 = 3.0;
+
+/// Corrections at most, a round.
+const MAX_CORRECTIONS: usize = 4;
+
+/// What the parts of a bake may be off by, as shares of the error asked for.
+pub(super) struct Aim {
+    pub(super) mesher: Mesher,
+    /// Interpolation over the display mesh, and the most that it may be found to be off by.
+    pub(super) display: f64,
+    pub(super) most_display: f64,
+    /// The indirect field.
+    pub(super) field: f64,
+    /// What the weakest emitters at a point may together be off by, W/m².
+    pub(super) weak: f64,
+}
+
+impl Aim {
+    /// Asks for more where a part was found to be off by more than its share: what its estimate has missed.
+    fn ask_more(&mut self, settings: &Settings, summary: &Summary) {
+        let more = |share: f64, found: f64, allowed: f64| {
+            if found > allowed * settings.error {
+                share * (allowed * settings.error / found).max(0.25) * MISSED_MARGIN
+            } else {
+                share
+            }
+        };
+        let measured = &summary.measured;
+        self.display = more(self.display, measured.relative_rms_mesh, self.most_display);
+        self.field = more(self.field, measured.relative_rms_field, FIELD_SHARE);
+    }
+}
+
+/// One bake while it runs.
+pub(super) struct Run<'r, 'p> {
+    settings: &'r Settings,
+    meter: Meter,
+    clock: Clock<'r, 'p>,
+    summary: Summary,
+}
+
+impl<'r, 'p> Run<'r, 'p> {
+    pub(super) fn new(settings: &'r Settings, progress: &'r mut Progress<'p>) -> Self {
+        Self {
+            settings,
+            meter: Meter::new(settings.budget),
+            clock: Clock::new(progress),
+            summary: Summary::default(),
+        }
+    }
+
+    /// Begins the stage `name`.
+    pub(super) fn start(&mut self, name: &'static str) {
+        self.clock.start(name, &mut self.summary);
+    }
+
+    /// Ends the last stage.
+    pub(super) fn finish(mut self) -> Summary {
+        self.clock.finish(&mut self.summary);
+        self.summary
+    }
+
+    /// The lines along which the light of the emitters breaks.
+    pub(super) fn find_lines(
+        &mut self,
+        scene: &Scene,
+        direct: &DirectLight,
+        sides: &[(FaceId, FaceSide)],
+    ) -> LineMap {
+        self.start("lines");
+        let error = self.settings.error;
+        let tolerance = LineTolerance {
+            floor: error * LINE_FLOOR,
+            least: error * LINE_LEAST * greatest_mean(scene, direct, sides),
+            chord: error * LINE_CHORD,
+        };
+        let mut lines = find_lines(scene, direct, tolerance);
+        lines.report.outlines = check_outlines(scene, direct, &lines, tolerance, OUTLINE_PAIRS);
+        self.summary.lines = lines.report;
+        lines
+    }
+
+    /// A first guess of the mean indirect irradiance (W/m²), and the mesh to solve on.
+    pub(super) fn guess(
+        &mut self,
+        world: &World,
+        rooms: &Rooms,
+        direct: &DirectLight,
+    ) -> Result<(f64, SolveMesh), LightError> {
+        self.start("first guess");
+        let settings = self.settings;
+        let guess = rooms.guess(direct, settings.bounces)?;
+        let mean = guess.indirect;
+        let mesh = rooms.solve_mesh(settings.error, direct, guess)?;
+        check_size(&mesh, &world.blockers, settings.solver, settings.basis)
+            .map_err(|e| too_many(world, e))?;
+        Ok((mean, mesh))
+    }
+
+    /// Refines the display meshes; `mean_besides` (W/m²) is the mean of light that comes later.
+    pub(super) fn refine_display(
+        &mut self,
+        aim: &mut Aim,
+        receivers: &mut [Receiver],
+        direct: &DirectLight,
+        indirect: Option<&IndirectField>,
+        mean_besides: f64,
+    ) -> Result<(), MeshError> {
+        let light = Illumination {
+            direct,
+            tolerance: aim.weak,
+            indirect,
+        };
+        let target = self.settings.error * aim.display;
+        let (meter, clock) = (&self.meter, &mut self.clock);
+        let tick = |f| clock.tick(f);
+        let mesher = &mut aim.mesher;
+        let report = mesher.refine(receivers, &light, target, mean_besides, meter, tick)?;
+        self.summary.adapt.add(&report);
+        Ok(())
+    }
+
+    /// Solves for the indirect light, given the direct light that the receivers show.
+    pub(super) fn solve<'a>(
+        &mut self,
+        world: &'a World,
+        mesh: SolveMesh,
+        receivers: &mut [Receiver],
+        mean_indirect: f64,
+    ) -> Result<IndirectField<'a>, LightError> {
+        self.start("solve");
+        let index: Vec<(FaceId, FaceSide)> = mesh
+            .faces
+            .iter()
+            .map(|f| (f.domain.face, f.domain.side))
+            .collect();
+        for r in &mut *receivers {
+            r.solve_face = index.binary_search(&(r.domain.face, r.domain.side)).ok();
+        }
+        let mean = mean_of(receivers) + mean_indirect;
+        let shown = Shown::new(receivers, mesh.faces.len());
+        let request = request(self.settings, mean, mean_indirect);
+        let (field, report) =
+            IndirectField::solve(mesh, &world.blockers, request, |_, f, p| shown.direct(f, p))
+                .map_err(|e| too_many(world, e))?;
+        if !report.is_settled {
+            return Err(unsettled(world, &report).into());
+        }
+        self.summary.solve = report;
+        Ok(field)
+    }
+
+    /// Gathers the indirect light and refines the meshes that show it, until the error that is measured is the one asked
+    /// for; `mean` is the mean irradiance that is expected, W/m².
+    pub(super) fn rounds(
+        &mut self,
+        solution: &mut Solution,
+        aim: &mut Aim,
+        mean: f64,
+    ) -> Result<(), MeshError> {
+        let settings = self.settings;
+        for round in 0..MAX_ROUNDS {
+            if let Some(field) = &mut solution.indirect {
+                self.gather(field, &solution.receivers, aim.field, mean)?;
+                solution.receivers.iter_mut().for_each(Receiver::relight);
+            }
+            // Without indirect light nothing is new the first time.
+            if solution.indirect.is_some() || round > 0 {
+                self.start("display mesh");
+                let indirect = solution.indirect.as_ref();
+                let receivers = &mut solution.receivers;
+                self.refine_display(aim, receivers, &solution.direct, indirect, 0.0)?;
+            }
+            self.start("measure");
+            let measured = solution.measure(settings.samples, settings.seed + round as u64);
+            let summary = &mut self.summary;
+            summary.measured = measured;
+            summary.rounds = round + 1;
+            let is_met = measured.relative_rms <= settings.error;
+            summary.stopped_by = self.meter.reached().filter(|_| !is_met).map(Limit::name);
+            if is_met || summary.stopped_by.is_some() {
+                break;
+            }
+            aim.ask_more(settings, summary);
+        }
+        Ok(())
+    }
+
+    /// Gathers the field and corrects it by its residual, in turn: the first correction is made while there are few values
+    /// to correct.
+    fn gather(
+        &mut self,
+        field: &mut IndirectField,
+        receivers: &[Receiver],
+        share: f64,
+        mean: f64,
+    ) -> Result<(), MeshError> {
+        let error = self.settings.error;
+        let shown = Shown::new(receivers, field.mesh().faces.len());
+        for step in 0..MAX_CORRECTIONS {
+            if self.meter.is_used_up() {
+                break;
+            }
+            self.start("gather");
+            let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
+            let (meter, clock) = (&self.meter, &mut self.clock);
+            field.refine(coarser * error * share * mean, |f| {
+                clock.tick(f);
+                !meter.is_used_up()
+            })?;
+            if self.meter.is_used_up() {
+                break;
+            }
+            self.start("correct");
+            let corrected = field.correct(|_, f, p| shown.direct(f, p));
+            self.summary.corrections.push(corrected / mean);
+            if step > 0 && corrected <= CORRECTION_SHARE * error * mean {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn too_many(world: &World, error: TooManyUnknowns) -> BadInput {
+    let remedy = "use --solver gmres, or accept a larger --error";
+    BadInput::new(&world.scene.source, error.to_string(), remedy)
+}
+
+/// Light that comes back again and again and is never lost, or too slowly for the solver.
+fn unsettled(world: &World, report: &SolveReport) -> BadInput {
+    let what = format!(
+        "light between surfaces does not settle in {} steps of {}: it is absorbed too slowly, or nowhere",
+        report.residuals.len(),
+        report.method
+    );
+    let remedy = "lower the reflectances that are 1, let light out, or use --solver hierarchical";
+    BadInput::new(&world.scene.source, what, remedy)
+}
+
+/// Makes display meshes of one kind.
+pub(super) struct Mesher {
+    pub(super) meshing: Meshing,
+    /// Of the starting points, or of the last uniform lattice, metres.
+    pub(super) spacing: f64,
+}
+
+impl Mesher {
+    /// The sides to mesh, with their lines: all that are lit, and the fronts of the others.
+    pub(super) fn receivers(
+        &self,
+        scene: &Scene,
+        sides: &[(FaceId, FaceSide)],
+        is_lit: &[bool],
+        lines: &mut LineMap,
+    ) -> Vec<Receiver> {
+        sides
+            .iter()
+            .zip(is_lit)
+            .filter(|&(&(_, side), &lit)| lit || side == FaceSide::Front)
+            .map(|(&(face, side), &lit)| {
+                let lines = match self.meshing {
+                    Meshing::Discontinuity => lines.take(face, side),
+                    Meshing::Adaptive | Meshing::Uniform => FaceLines::default(),
+                };
+                let mut r = Receiver::new(scene, face, side, lines, self.spacing);
+                r.is_lit = lit;
+                r
+            })
+            .collect()
+    }
+
+    fn refine(
+        &mut self,
+        receivers: &mut [Receiver],
+        light: &Illumination,
+        error: f64,
+        mean_besides: f64,
+        meter: &Meter,
+        progress: impl FnMut(f64),
+    ) -> Result<AdaptReport, MeshError> {
+        match self.meshing {
+            Meshing::Discontinuity | Meshing::Adaptive => {
+                adapt::refine(receivers, light, error, mean_besides, meter, progress)
+            }
+            Meshing::Uniform => adapt::refine_uniformly(
+                receivers,
+                light,
+                error,
+                mean_besides,
+                &mut self.spacing,
+                meter,
+                progress,
+            ),
+        }
+    }
+}
+
+/// Times the stages.
+struct Clock<'c, 'p> {
+    progress: &'c mut Progress<'p>,
+    open: Option<(&'static str, Instant)>,
+}
+
+impl<'c, 'p> Clock<'c, 'p> {
+    fn new(progress: &'c mut Progress<'p>) -> Self {
+        Self {
+            progress,
+            open: None,
+        }
+    }
+
+    fn start(&mut self, name: &'static str, summary: &mut Summary) {
+        self.finish(summary);
+        (self.progress)(name, None);
+        self.open = Some((name, Instant::now()));
+    }
+
+    /// `error` is what the estimate has come down to, relative to what is asked for: progress on a logarithmic scale.
+    fn tick(&mut self, share: f64) {
+        if let Some((name, _)) = self.open {
+            (self.progress)(name, Some(share));
+        }
+    }
+
+    fn finish(&mut self, summary: &mut Summary) {
+        if let Some((name, since)) = self.open.take() {
+            summary.add_time(name, since.elapsed().as_secs_f64());
+        }
+    }
+}

@@ -44,10 +44,6 @@ const CORRECTION_ACCURACY: f64 = 4.0;
 /// What a gather that others are judged by is asked for beyond that.
 const REFERENCE_SHARE: f64 = 0.25;
 
-/// A correction is gathered at every value of the field only when its RMS is above this share of the permitted error. Below
-/// that, what the solution's own nodes say of it is enough: what it is between them is a small part of it.
-const COARSE_SHARE: f64 = 0.6;
-
 /// A face whose share of the residual sends less than this share of the permitted error is not looked at.
 const SKIP_SHARE: f64 = 0.05;
 
@@ -376,9 +372,6 @@ impl<'a> IndirectField<'a> {
                 });
             });
         let solution = &self.solution;
-        let weld_distance = solution.blockers.weld_distance();
-        let coarse = self.coarse_rms(&all);
-        let is_coarse_enough = coarse <= COARSE_SHARE * self.request.error;
         let skip = SKIP_SHARE * solution.error;
         let accuracy = CORRECTION_ACCURACY * solution.error;
         let squares: Vec<f64> = self
@@ -390,31 +383,19 @@ impl<'a> IndirectField<'a> {
             .map_init(
                 || solution.gatherer(),
                 |gatherer, (f, (field, face))| {
-                    let coarse = |p: DVec2| all.at(face, f, p);
-                    if is_coarse_enough {
-                        return field.add(face, weld_distance, coarse, |_, p| coarse(p));
-                    }
-                    field.add(face, weld_distance, coarse, |view, p| {
-                        solution.gather(gatherer, view, &residual, accuracy, skip)
-                            + further.at(face, f, p)
-                    })
+                    field.add(
+                        face,
+                        solution.blockers.weld_distance(),
+                        |p| all.at(face, f, p),
+                        |view, p| {
+                            solution.gather(gatherer, view, &residual, accuracy, skip)
+                                + further.at(face, f, p)
+                        },
+                    )
                 },
             )
             .collect();
         (squares.iter().sum::<f64>() / self.area()).sqrt()
-    }
-
-    /// RMS of a field of the solution's nodes over all faces, W/m².
-    fn coarse_rms(&self, field: &NodalField) -> f64 {
-        let (mut sum, mut area) = (0.0, 0.0);
-        for (f, face) in self.solution.mesh.faces.iter().enumerate() {
-            for (e, sites) in face.mesh.sites.iter().enumerate() {
-                let squares = sites.map(|s| field.at_site(f, s as usize).0.mean_square());
-                sum += face.mesh.area(e) * squares.iter().sum::<f64>() / 3.0;
-                area += face.mesh.area(e);
-            }
-        }
-        (sum / area).sqrt()
     }
 
     fn area(&self) -> f64 {

@@ -1,28 +1,49 @@
 //! The indirect light on one side of one face.
 
 use super::SolveFace;
-use super::elements::{Elements, Knowledge};
+use super::locator::Locator;
 use super::nodes::NodalField;
-use crate::mesh::{GridPoint, MeshError};
-use crate::quantity::Irradiance;
+use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
+use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
 /// A small face with one value may vary by about this share of it.
 const UNIFORM_VARIATION: f64 = 0.3;
 
+/// Linear interpolation is off by at most this share of the range of the corners, unless light breaks inside.
+const LINEAR_SHARE: f64 = 0.25;
+
+/// Quadratic interpolation is off by about this share of what it adds to linear interpolation.
+const QUADRATIC_SHARE: f64 = 0.3;
+
+/// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
+const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
+
 /// An element whose longest edge is shorter than this many pixels is not divided.
 const SMALLEST_EDGE_PX: f64 = 64.0;
 
+/// What is known of one element.
+#[derive(Clone, Copy, Debug, Default)]
+struct Knowledge {
+    /// Values at the midpoints of its edges, where gathered.
+    middles: [Option<Irradiance>; 3],
+    /// Error found in its middle (mean square), once gathered there.
+    centre: Option<f64>,
+}
+
 /// Values on one side of a face.
 pub(super) struct FieldFace {
-    elements: Elements,
+    mesh: ReceiverMesh,
+    locator: Locator,
+    values: Vec<Irradiance>,
+    known: Vec<Knowledge>,
     /// All values are one gather from the middle of the face.
     is_uniform: bool,
     /// Points that divide the elements, beside those of the solve mesh.
     points: Vec<GridPoint>,
-    /// Values at vertices and edge midpoints where all sides agree, by doubled grid coordinates.
+    /// Values at vertices and edge midpoints, by doubled grid coordinates.
     gathered: HashMap<(i64, i64), Irradiance>,
 }
 
@@ -37,9 +58,12 @@ impl FieldFace {
             .map(|e| solution.at_middles(f, e))
             .collect();
         let mut field = Self {
+            locator: Locator::new(&mesh),
+            known: vec![Knowledge::default(); mesh.elements.len()],
             points: mesh.vertices.clone(),
             is_uniform: middles.iter().any(Option::is_none),
-            elements: Elements::new(mesh, values),
+            mesh,
+            values,
             gathered: HashMap::new(),
         };
         if !field.is_uniform {
@@ -50,18 +74,17 @@ impl FieldFace {
 
     /// Takes over the values of sites and midpoints.
     fn remember(&mut self, middles: &[Option<[Irradiance; 3]>]) {
-        let elements = &mut self.elements;
-        for (s, &v) in elements.mesh.site_vertices.iter().enumerate() {
-            if !elements.mesh.is_limit[s] {
-                let g = elements.mesh.vertices[v as usize];
-                self.gathered.insert((2 * g.x, 2 * g.y), elements.values[s]);
+        for (s, &v) in self.mesh.site_vertices.iter().enumerate() {
+            if !self.mesh.is_limit[s] {
+                let g = self.mesh.vertices[v as usize];
+                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
             }
         }
         for (e, middles) in middles.iter().enumerate() {
-            elements.known[e].middles = [0, 1, 2].map(|k| middles.map(|m| m[k]));
+            self.known[e].middles = [0, 1, 2].map(|k| middles.map(|m| m[k]));
             for k in 0..3 {
-                if let (Some(m), false) = (middles, elements.mesh.is_barrier(e, k)) {
-                    self.gathered.insert(elements.key(e, k), m[k]);
+                if let (Some(m), false) = (middles, self.mesh.is_barrier(e, k)) {
+                    self.gathered.insert(self.key(e, k), m[k]);
                 }
             }
         }
@@ -69,16 +92,17 @@ impl FieldFace {
 
     /// Area of the elements, m².
     pub(super) fn area(&self) -> f64 {
-        let mesh = &self.elements.mesh;
-        (0..mesh.elements.len()).map(|e| mesh.area(e)).sum()
+        (0..self.mesh.elements.len())
+            .map(|e| self.mesh.area(e))
+            .sum()
     }
 
     /// Integral over the elements, linear between the corners, W.
     pub(super) fn power(&self) -> Irradiance {
         let mut sum = Irradiance::ZERO;
-        for (e, sites) in self.elements.mesh.sites.iter().enumerate() {
+        for (e, sites) in self.mesh.sites.iter().enumerate() {
             for &s in sites {
-                sum += self.elements.values[s as usize] * (self.elements.mesh.area(e) / 3.0);
+                sum += self.values[s as usize] * (self.mesh.area(e) / 3.0);
             }
         }
         sum
@@ -86,23 +110,38 @@ impl FieldFace {
 
     /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
     pub(super) fn errors(&self) -> Vec<f64> {
-        let elements = &self.elements;
         if self.is_uniform {
-            let value = elements.values.first().map_or(0.0, |v| v.0.mean_square());
+            let value = self.values.first().map_or(0.0, |v| v.0.mean_square());
             return vec![self.area() * UNIFORM_VARIATION * UNIFORM_VARIATION * value];
         }
-        (0..elements.known.len()).map(|e| self.error(e)).collect()
+        (0..self.known.len()).map(|e| self.error(e)).collect()
     }
 
     fn error(&self, e: usize) -> f64 {
-        self.elements.mesh.area(e) * self.elements.error(e)
+        let known = &self.known[e];
+        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let mut square = 0.0_f64;
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let part = match known.middles[k] {
+                None => LINEAR_SHARE * LINEAR_SHARE * (a - b).0.mean_square(),
+                Some(_) if known.centre.is_some() => 0.0,
+                Some(m) => {
+                    let bend = (m - (a + b) * 0.5).0.mean_square();
+                    QUADRATIC_SHARE * QUADRATIC_SHARE * bend
+                }
+            };
+            square = square.max(part);
+        }
+        let centre = known.centre.map_or(0.0, |c| CENTRE_WEIGHT * c);
+        self.mesh.area(e) * square.max(centre)
     }
 
     /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².
     pub(super) fn error_at(&self, p: DVec2) -> f64 {
-        match self.elements.at_with_error(p) {
+        match self.locator.locate(&self.mesh, p) {
             Some(_) if self.is_uniform => (self.errors()[0] / self.area()).sqrt(),
-            Some((_, square)) => square.sqrt(),
+            Some((e, _)) => (self.error(e) / self.mesh.area(e)).sqrt(),
             None => 0.0,
         }
     }
@@ -123,45 +162,44 @@ impl FieldFace {
         if self.is_uniform {
             if self.errors().iter().any(|&e| e >= limit) {
                 self.is_uniform = false;
-                self.fill_sites(None, &mut ask);
+                self.fill_sites(&mut ask);
             }
             return Ok(count);
         }
         let mut divided = Vec::new();
-        let marked: Vec<usize> = (0..self.elements.known.len())
+        let marked: Vec<usize> = (0..self.known.len())
             .filter(|&e| self.error(e) >= limit)
             .collect();
         for e in marked {
-            let known = &self.elements.known[e];
-            if known.middles.iter().any(Option::is_none) {
+            if self.known[e].middles.iter().any(Option::is_none) {
                 self.fill_middles(e, weld_distance, &mut ask);
-            } else if known.centre.is_none() && known.inherited.is_none() {
-                let middle = self.elements.mesh.centre(e);
+            } else if self.known[e].centre.is_none() {
+                let middle = self.mesh.centre(e);
                 let third = 1.0 / 3.0;
-                let off = ask(middle) - self.elements.interpolate(e, [third; 3]);
-                self.elements.known[e].centre = Some(off.0.mean_square());
+                let off = ask(middle) - self.interpolate(e, [third; 3]);
+                self.known[e].centre = Some(off.0.mean_square());
             } else {
                 divided.push(e);
             }
         }
         if !divided.is_empty() {
-            self.divide(face, &divided, weld_distance, &mut ask)?;
+            self.divide(face, &divided, &mut ask)?;
         }
         Ok(count)
     }
 
-    /// Gathers at the sites, except where `old` elements or others on this face know the value.
-    fn fill_sites(&mut self, old: Option<&Elements>, ask: &mut impl FnMut(DVec2) -> Irradiance) {
-        let elements = &mut self.elements;
-        for s in 0..elements.values.len() {
-            let g = elements.mesh.vertices[elements.mesh.site_vertices[s] as usize];
+    fn fill_sites(&mut self, ask: &mut impl FnMut(DVec2) -> Irradiance) {
+        for s in 0..self.values.len() {
+            let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
             let key = (2 * g.x, 2 * g.y);
-            let p = elements.mesh.site_points[s];
-            elements.values[s] = if elements.mesh.is_limit[s] {
-                old.and_then(|old| old.gathered(p, key))
-                    .unwrap_or_else(|| ask(p))
+            self.values[s] = if self.mesh.is_limit[s] {
+                ask(self.mesh.site_points[s])
+            } else if let Some(&value) = self.gathered.get(&key) {
+                value
             } else {
-                *self.gathered.entry(key).or_insert_with(|| ask(p))
+                let value = ask(self.mesh.site_points[s]);
+                self.gathered.insert(key, value);
+                value
             };
         }
     }
@@ -177,50 +215,49 @@ impl FieldFace {
     ) -> f64 {
         if self.is_uniform {
             let all = coarse(face.domain.frame.to_plane(face.middle_point));
-            self.elements.values.iter_mut().for_each(|v| *v += all);
+            self.values.iter_mut().for_each(|v| *v += all);
             return self.area() * all.0.mean_square();
         }
         self.gathered.clear();
         let mut more = |p: DVec2| more(&face.view(p), p);
-        let elements = &mut self.elements;
-        let mut added = Vec::with_capacity(elements.values.len());
-        for s in 0..elements.values.len() {
-            let amount = more(elements.mesh.site_points[s]);
-            added.push(amount);
-            elements.values[s] += amount;
-            if !elements.mesh.is_limit[s] {
-                let g = elements.mesh.vertices[elements.mesh.site_vertices[s] as usize];
-                self.gathered.insert((2 * g.x, 2 * g.y), elements.values[s]);
+        let mut added = Vec::with_capacity(self.values.len());
+        for s in 0..self.values.len() {
+            let amount = more(self.mesh.site_points[s]);
+            added.push(amount.0.mean_square());
+            self.values[s] += amount;
+            if !self.mesh.is_limit[s] {
+                let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
+                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
             }
         }
-        for e in 0..elements.known.len() {
+        for e in 0..self.known.len() {
             for k in 0..3 {
-                let [a, b] = [k, (k + 1) % 3].map(|c| added[elements.mesh.sites[e][c] as usize]);
-                let mut shift = (a + b) * 0.5;
-                if let Some(old) = elements.known[e].middles[k] {
-                    let middle = elements.middle(e, k, weld_distance);
-                    let new = if elements.mesh.is_barrier(e, k) {
-                        old + more(middle)
-                    } else {
-                        let key = elements.key(e, k);
-                        *self
-                            .gathered
-                            .entry(key)
-                            .or_insert_with(|| old + more(middle))
-                    };
-                    elements.known[e].middles[k] = Some(new);
-                    shift = new - old;
-                }
-                if let Some(foreseen) = &mut elements.known[e].foreseen[k] {
-                    *foreseen += shift;
-                }
+                let Some(old) = self.known[e].middles[k] else {
+                    continue;
+                };
+                let key = self.key(e, k);
+                let p = self.mesh.corners(e);
+                let middle = p[k].midpoint(p[(k + 1) % 3]);
+                let is_barrier = self.mesh.is_barrier(e, k);
+                let new = match self.gathered.get(&key) {
+                    Some(&value) if !is_barrier => value,
+                    _ if is_barrier => {
+                        let inside = self.mesh.inset(e, middle, weld_distance);
+                        old + more(inside)
+                    }
+                    _ => {
+                        let value = old + more(middle);
+                        self.gathered.insert(key, value);
+                        value
+                    }
+                };
+                self.known[e].middles[k] = Some(new);
             }
         }
-        let mesh = &elements.mesh;
-        (0..mesh.elements.len())
+        (0..self.mesh.elements.len())
             .map(|e| {
-                let squares = mesh.sites[e].map(|s| added[s as usize].0.mean_square());
-                mesh.area(e) * squares.iter().sum::<f64>() / 3.0
+                let sum: f64 = self.mesh.sites[e].iter().map(|&s| added[s as usize]).sum();
+                self.mesh.area(e) * sum / 3.0
             })
             .sum()
     }
@@ -232,47 +269,55 @@ impl FieldFace {
         weld_distance: f64,
         ask: &mut impl FnMut(DVec2) -> Irradiance,
     ) {
-        let elements = &mut self.elements;
         for k in 0..3 {
-            if elements.known[e].middles[k].is_some() {
+            if self.known[e].middles[k].is_some() {
                 continue;
             }
-            let value = ask(elements.middle(e, k, weld_distance));
-            elements.known[e].middles[k] = Some(value);
-            if elements.mesh.is_barrier(e, k) {
+            let p = self.mesh.corners(e);
+            let middle = p[k].midpoint(p[(k + 1) % 3]);
+            if self.mesh.is_barrier(e, k) {
+                let inside = self.mesh.inset(e, middle, weld_distance);
+                self.known[e].middles[k] = Some(ask(inside));
                 continue;
             }
-            self.gathered.insert(elements.key(e, k), value);
-            if let Some(other) = elements.mesh.neighbours[e][k] {
+            let value = ask(middle);
+            self.gathered.insert(self.key(e, k), value);
+            self.known[e].middles[k] = Some(value);
+            if let Some(other) = self.mesh.neighbours[e][k] {
                 let other = other as usize;
                 for j in 0..3 {
-                    if elements.mesh.neighbours[other][j] == Some(e as u32) {
-                        elements.known[other].middles[j] = Some(value);
+                    if self.mesh.neighbours[other][j] == Some(e as u32) {
+                        self.known[other].middles[j] = Some(value);
                     }
                 }
             }
         }
     }
 
+    /// Doubled grid coordinates of the midpoint of edge `k` of element `e`.
+    fn key(&self, e: usize, k: usize) -> (i64, i64) {
+        let corners = self.mesh.elements[e];
+        let [a, b] = [corners[k], corners[(k + 1) % 3]].map(|v| self.mesh.vertices[v as usize]);
+        (a.x + b.x, a.y + b.y)
+    }
+
     /// Meshes anew with the edges of the given elements halved.
     fn divide(
         &mut self,
         face: &SolveFace,
-        divided: &[usize],
-        weld_distance: f64,
+        elements: &[usize],
         ask: &mut impl FnMut(DVec2) -> Irradiance,
     ) -> Result<(), MeshError> {
         let grid = &face.domain.grid;
         let before = self.points.len();
-        for &e in divided {
-            let p = self.elements.mesh.corners(e);
-            let is_bent = self.elements.bent_edges(e);
-            for k in (0..3).filter(|&k| is_bent[k]) {
+        for &e in elements {
+            let p = self.mesh.corners(e);
+            for k in 0..3 {
                 let (a, b) = (p[k], p[(k + 1) % 3]);
                 if a.distance(b) > SMALLEST_EDGE_PX * grid.pixel_size() {
                     let g = grid.snap(a.midpoint(b));
                     // Rounded to the grid it is, for all that matters, the point whose value is known.
-                    if let Some(&value) = self.gathered.get(&self.elements.key(e, k)) {
+                    if let Some(&value) = self.gathered.get(&self.key(e, k)) {
                         self.gathered.insert((2 * g.x, 2 * g.y), value);
                     }
                     self.points.push(g);
@@ -284,49 +329,55 @@ impl FieldFace {
         if self.points.len() == before {
             return Ok(());
         }
-        let mesh = face.domain.mesh(&[], &self.points)?;
-        let values = vec![Irradiance::ZERO; mesh.site_vertices.len()];
-        let old = std::mem::replace(&mut self.elements, Elements::new(mesh, values));
-        self.fill_sites(Some(&old), ask);
-        self.inherit(&old, weld_distance);
+        let old: HashMap<[GridPoint; 3], Knowledge> = self
+            .mesh
+            .elements
+            .iter()
+            .zip(&self.known)
+            .map(|(t, &k)| (t.map(|v| self.mesh.vertices[v as usize]), k))
+            .collect();
+        self.mesh = face.domain.mesh(&[], &self.points)?;
+        self.locator = Locator::new(&self.mesh);
+        self.values = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
+        self.fill_sites(ask);
+        self.known = (0..self.mesh.elements.len())
+            .map(|e| {
+                let key = self.mesh.elements[e].map(|v| self.mesh.vertices[v as usize]);
+                old.get(&key).copied().unwrap_or_else(|| Knowledge {
+                    middles: [0, 1, 2].map(|k| {
+                        if self.mesh.is_barrier(e, k) {
+                            None
+                        } else {
+                            self.gathered.get(&self.key(e, k)).copied()
+                        }
+                    }),
+                    centre: None,
+                })
+            })
+            .collect();
         Ok(())
     }
 
-    /// Elements that have stayed keep what is known of them; the others learn what the `old` field was where they are.
-    fn inherit(&mut self, old: &Elements, weld_distance: f64) {
-        let corners = |of: &Elements, e: usize| {
-            let vertices = of.mesh.elements[e];
-            vertices.map(|v| of.mesh.vertices[v as usize])
-        };
-        let stayed: HashMap<[GridPoint; 3], Knowledge> = (0..old.known.len())
-            .map(|e| (corners(old, e), old.known[e]))
-            .collect();
-        for e in 0..self.elements.known.len() {
-            if let Some(&known) = stayed.get(&corners(&self.elements, e)) {
-                self.elements.known[e] = known;
-                continue;
+    /// Quadratic interpolation over element `e`; linear along edges whose midpoint is not known.
+    fn interpolate(&self, e: usize, b: [f64; 3]) -> Irradiance {
+        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let mut sum = Irradiance::ZERO;
+        for k in 0..3 {
+            sum += corners[k] * b[k];
+            if let Some(m) = self.known[e].middles[k] {
+                let bend = m - (corners[k] + corners[(k + 1) % 3]) * 0.5;
+                sum += bend * (4.0 * b[k] * b[(k + 1) % 3]);
             }
-            let inherited = old.at_with_error(self.elements.mesh.centre(e));
-            let mut known = Knowledge {
-                inherited: inherited.map(|i| i.1),
-                ..Knowledge::default()
-            };
-            for k in 0..3 {
-                let key = self.elements.key(e, k);
-                let middle = self.elements.middle(e, k, weld_distance);
-                known.foreseen[k] = Some(old.at(middle));
-                known.middles[k] = if self.elements.mesh.is_barrier(e, k) {
-                    old.gathered(middle, key)
-                } else {
-                    self.gathered.get(&key).copied()
-                };
-            }
-            self.elements.known[e] = known;
         }
+        // Quadratic interpolation may dip below zero where light ends within an element.
+        Irradiance(Rgb(sum.0.0.max(DVec3::ZERO)))
     }
 
     /// The field at frame coordinates `p`.
     pub(super) fn at(&self, p: DVec2) -> Irradiance {
-        self.elements.at(p)
+        match self.locator.locate(&self.mesh, p) {
+            Some((e, b)) => self.interpolate(e, b),
+            None => Irradiance::ZERO,
+        }
     }
 }

@@ -12,7 +12,6 @@
 
 mod basis;
 mod cells;
-mod elements;
 mod field;
 mod field_face;
 mod gather;

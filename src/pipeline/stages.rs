@@ -32,7 +32,7 @@ const OUTLINE_PAIRS: usize = 200;
 /// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
 /// squares, and the rest is left to the solution.
 pub(super) const DISPLAY_SHARE: f64 = 0.8;
-pub(super) const FIELD_SHARE: f64 = 0.45;
+pub(super) const FIELD_SHARE: f64 = 0.4;
 
 /// A part that exceeded its share is asked for so much more than its excess.
 const MISSED_MARGIN: f64 = 0.9;

@@ -102,10 +102,13 @@ fn text_width(text: &str) -> i64 {
     letters.saturating_sub(glyphs::ADVANCE - glyphs::WIDTH) as i64 * CELL
 }
 
+/// Numbers in this range are written without an exponent: no more than three zeros before or after the digits.
+const PLAIN: std::ops::Range<f64> = 1e-3..1e6;
+
 /// A multiple of a round step without the noise of its last digits.
 fn number(x: f64) -> String {
     let x: f64 = format!("{x:.5e}").parse().unwrap_or(x);
-    if x == 0.0 || (1e-3..1e6).contains(&x) {
+    if x == 0.0 || PLAIN.contains(&x) {
         x.to_string()
     } else {
         format!("{x:e}")

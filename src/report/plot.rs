@@ -192,10 +192,13 @@ fn axis(svg: &mut String, k: usize, range: [f64; 2]) {
     }
 }
 
+/// Numbers in this range are written without an exponent: they fit beside an axis.
+const PLAIN: std::ops::Range<f64> = 1e-4..1e7;
+
 /// A round number without the noise of its last digits; thousands parted by thin spaces.
 fn number(x: f64) -> String {
     let x: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    if !(1e-4..1e7).contains(&x) {
+    if !PLAIN.contains(&x) {
         return format!("{x:e}");
     }
     let text = x.to_string();

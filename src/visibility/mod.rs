@@ -5,6 +5,8 @@ mod blockers;
 mod box_tree;
 mod cone;
 mod hidden;
+#[cfg(test)]
+mod random;
 mod ray;
 mod region;
 mod screen;

@@ -1,22 +1,6 @@
 use super::*;
+use crate::visibility::random::Random;
 use std::collections::BTreeMap;
-
-/// Numbers in 0…1 from a seed (splitmix64): enough for tests, no dependency.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::from_array(std::array::from_fn(|_| (self.next() * 2.0 - 1.0) * reach))
-    }
-}
 
 /// A unit sphere of 20 · 4ⁿ triangles, counter-clockwise from outside, and its vertices.
 fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {

@@ -1,25 +1,9 @@
+use super::super::random::Random;
 use super::super::screen::Screen;
 use super::super::{Blockers, Cones, Region, Viewpoint};
 use crate::geom::Plane;
 use crate::scene::{CleanSettings, FaceId, Material, RawPolygon, RawScene, Scene, clean};
 use glam::{DQuat, DVec3};
-
-/// Numbers in 0…1 from a seed (splitmix64): enough for tests, no dependency.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, reach: f64) -> DVec3 {
-        DVec3::from_array(std::array::from_fn(|_| (self.next() * 2.0 - 1.0) * reach))
-    }
-}
 
 /// The faces of a box, corner number `x + 2 y + 4 z`, counter-clockwise from outside: left, right, bottom, top, back, front.
 const FACES: [[u32; 4]; 6] = [
@@ -80,9 +64,9 @@ fn boxes(random: &mut Random) -> Scene {
     .iter()
     .enumerate()
     {
-        let centre = DVec3::new(i as f64 * 1.2 - 2.4, 0.0, 0.0) + random.within(0.2);
-        let turn = DQuat::from_scaled_axis(random.within(1.0));
-        let half = DVec3::splat(0.15) + random.within(0.1);
+        let centre = DVec3::new(i as f64 * 1.2 - 2.4, 0.0, 0.0) + random.point(0.2);
+        let turn = DQuat::from_scaled_axis(random.point(1.0));
+        let half = DVec3::splat(0.15) + random.point(0.1);
         builder.add(centre, half, turn, faces, false);
     }
     builder.scene()
@@ -111,8 +95,8 @@ struct Window {
 
 /// Somewhere in the room, facing `eye` (else none); often it cuts through boxes.
 fn window(random: &mut Random, eye: DVec3) -> Option<Window> {
-    let middle = random.within(2.5);
-    let normal = (eye - middle + random.within(1.0)).try_normalize()?;
+    let middle = random.point(2.5);
+    let normal = (eye - middle + random.point(1.0)).try_normalize()?;
     if normal.dot(eye - middle) < 0.1 {
         return None;
     }
@@ -134,7 +118,7 @@ fn cones_hide_what_rays_do_not_reach() {
         let blockers = Blockers::new(&scene);
         let mut cones = Cones::default();
         for _ in 0..40 {
-            let eye = random.within(3.0);
+            let eye = random.point(3.0);
             let Some(window) = window(&mut random, eye) else {
                 continue;
             };

@@ -1,6 +1,7 @@
 //! The error asked for is the error found, at points and by a reference that no stage of the bake has seen.
 
 mod errors;
+mod regressions;
 mod table;
 
 use crate::common::bake::{bake, world};

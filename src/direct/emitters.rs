@@ -158,6 +158,13 @@ impl<'a> DirectLight<'a> {
         sum
     }
 
+    /// Whether some emitter is above the horizon of `view` by more than round-off.
+    pub fn rises(&self, view: &Viewpoint) -> bool {
+        let height = |p: &DVec3| view.horizon.normal.dot(*p - view.position);
+        let mut corners = self.polygons.iter().flat_map(|p| &p.corners);
+        !self.lights.is_empty() || corners.any(|p| height(p) > self.blockers.roundoff())
+    }
+
     /// Irradiance at `view` straight from all emitters, W/m²; exact up to round-off for diffuse polygons
     /// (backprojection, then Lambert's formula on what is visible).
     pub fn irradiance(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {

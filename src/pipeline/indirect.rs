@@ -4,11 +4,11 @@ use crate::adapt::Receiver;
 use crate::direct::DirectLight;
 use crate::discontinuity::LineMap;
 use crate::mesh::{FaceDomain, MeshError};
-use crate::quantity::Irradiance;
+use crate::quantity::{Irradiance, Rgb};
 use crate::radiosity::{
     Basis, Bounces, IndirectField, Linking, Locator, Request, SolveMesh, Solver,
 };
-use crate::scene::{EdgeId, FaceId, FaceSide, Scene};
+use crate::scene::{FaceId, FaceSide, Scene};
 use crate::settings::Settings;
 use crate::visibility::{Blockers, Scratch};
 use glam::DVec2;
@@ -69,36 +69,47 @@ impl Rooms<'_> {
     ) -> Result<SolveMesh, MeshError> {
         let elements = SOLVE_ELEMENTS * (0.01 / error).powf(SOLVE_EXPONENT);
         let permitted = error * (guess.direct + guess.indirect);
-        self.mesh(elements, |domain, edge| {
-            error <= GRADED_ERROR && self.is_edge_lit(domain, edge, direct, guess, permitted)
-        })
+        let spacing = self.spacing(elements);
+        let rims = self.rims(spacing);
+        SolveMesh::graded(
+            self.domains(),
+            spacing,
+            |domain, edge| {
+                error <= GRADED_ERROR && self.is_edge_lit(domain, edge, direct, guess, permitted)
+            },
+            |domain| {
+                let own = rims.get(&(domain.face, domain.side));
+                own.map_or(&[], Vec::as_slice)
+            },
+        )
     }
 
-    fn mesh(
-        &self,
-        elements: f64,
-        is_graded: impl Fn(&FaceDomain, EdgeId) -> bool,
-    ) -> Result<SolveMesh, MeshError> {
+    fn lit(&self) -> impl Iterator<Item = (FaceId, FaceSide)> + '_ {
+        let both = self.sides.iter().zip(self.is_lit);
+        both.filter(|s| *s.1).map(|s| *s.0)
+    }
+
+    /// Distance of neighbouring points when there are about so many elements, metres.
+    fn spacing(&self, elements: f64) -> f64 {
+        let area: f64 = self.lit().map(|(f, _)| self.scene.faces[f].area).sum();
+        (area / (LATTICE_TRIANGLE * elements)).sqrt()
+    }
+
+    /// The lit sides with their reflectances.
+    fn domains(&self) -> Vec<(FaceDomain, Rgb)> {
         let scene = self.scene;
-        let lit = || {
-            let both = self.sides.iter().zip(self.is_lit);
-            both.filter(|s| *s.1).map(|s| *s.0)
-        };
-        let area: f64 = lit().map(|(f, _)| scene.faces[f].area).sum();
-        let spacing = (area / (LATTICE_TRIANGLE * elements)).sqrt();
-        let domains = lit()
+        self.lit()
             .map(|(face, side)| {
                 let l = self.lines.of(face, side);
                 let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
                 (domain, scene.faces[face].reflectance)
             })
-            .collect();
-        SolveMesh::graded(domains, spacing, is_graded)
+            .collect()
     }
 
     /// Mean irradiance over the lit sides, roughly.
     pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<Guess, MeshError> {
-        let mesh = self.mesh(GUESS_ELEMENTS, |_, _| false)?;
+        let mesh = SolveMesh::new(self.domains(), self.spacing(GUESS_ELEMENTS))?;
         let at_sites: Vec<Vec<Irradiance>> = mesh
             .faces
             .par_iter()
@@ -119,17 +130,21 @@ impl Rooms<'_> {
             linking: Linking::default(),
             solver: Solver::default(),
         };
-        let (field, _) =
-            IndirectField::solve(mesh, self.blockers, request, |face, f, p| {
-                match face.locate(p) {
-                    Some((e, weights)) => mix(face.mesh.sites[e], weights, &at_sites[f]),
-                    None => Irradiance::ZERO,
-                }
-            })
-            .expect("only the dense solver has a limit");
+        let (field, report) = IndirectField::solve(mesh, self.blockers, request, |face, f, p| {
+            match face.locate(p) {
+                Some((e, weights)) => mix(face.mesh.sites[e], weights, &at_sites[f]),
+                None => Irradiance::ZERO,
+            }
+        })
+        .expect("only the dense solver has a limit");
         Ok(Guess {
             direct: mean,
-            indirect: field.mean(),
+            // Where next to nothing is absorbed a few rays do not tell how much that is.
+            indirect: if report.is_settled {
+                field.mean()
+            } else {
+                request.ambient
+            },
         })
     }
 }

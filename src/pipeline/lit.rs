@@ -72,7 +72,7 @@ fn is_lit(
     if all().any(|v| direct.by_rays(v, scratch).mean() > 0.0) {
         return true;
     }
-    all().any(|v| {
+    all().filter(|v| direct.rises(v)).any(|v| {
         // What the cutting of cones leaves of a hidden emitter is no light.
         let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
         direct.irradiance(v, scratch).mean() > least

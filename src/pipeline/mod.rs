@@ -12,6 +12,7 @@ mod lit;
 mod measure;
 mod mesh_edges;
 mod probe;
+mod rims;
 mod smooth;
 mod stages;
 mod summary;

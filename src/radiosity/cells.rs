@@ -11,6 +11,7 @@
 //! A receiver far away, or light that is nearly linear, takes a cell as it is; else it looks at the children
 //! (Hanrahan, Salzman & Aupperle 91; linear bases as in Gortler, Schröder, Cohen & Hanrahan 93).
 
+use super::greatest::Greatest;
 use super::{Basis, SolveFace};
 use crate::quantity::{Radiosity, Rgb};
 use crate::scene::FaceSide;
@@ -22,6 +23,13 @@ const LEAF: u32 = u32::MAX;
 
 /// Halvings of a root at most: each halves the area, so that a leaf is then 2⁻¹² of the side of its root.
 const MAX_DEPTH: u32 = 24;
+
+/// Cells follow the light until it departs from linear by less than this many times the permitted error: what departs is
+/// weighed by the cell's form factor before anyone sees it.
+const FOLLOW_SHARE: f64 = 4.0;
+
+/// What departs may make up this share of the permitted error where it has been seen to weigh most.
+const EXPOSED_SHARE: f64 = 0.5;
 
 /// A triangle of a tree.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +59,9 @@ pub(super) struct FaceCells {
     pub(super) roots: u32,
     /// The first so many are as wide as the spacing of the solve mesh asks for; the light has asked for the others.
     pub(super) coarse: usize,
+    /// For each cell the greatest weight that what is not linear about its light had anywhere: form factor times square of
+    /// its width over its distance.
+    exposure: Vec<Greatest>,
     /// What the cells know of their light.
     pub(super) basis: Basis,
 }
@@ -160,6 +171,7 @@ impl FaceCells {
             roots: cells.len() as u32,
             coarse: 0,
             basis,
+            exposure: vec![Greatest::default(); cells.len()],
             cells,
         };
         let mut i = 0;
@@ -182,17 +194,21 @@ impl FaceCells {
         self.cells[i].child = self.cells.len() as u32;
         for flat in parent.halves() {
             self.cells.push(Cell::new(flat, face, parent.depth + 1));
+            self.exposure.push(self.exposure[i].clone());
         }
         true
     }
 
-    /// Samples the light on all leaves and halves those where it departs from a linear function by more than `limit`
-    /// (W/m²), down to a width of `smallest` (metres).
+    /// Takes note of the weight that what is not linear about leaf `i` has at some point.
+    pub(super) fn expose(&self, i: usize, weight: f64) {
+        self.exposure[i].note(weight);
+    }
+
+    /// Samples the light on all leaves and halves those where it departs from a linear function by more than `limits` allow.
     pub(super) fn follow(
         &mut self,
         face: &SolveFace,
-        limit: f64,
-        smallest: f64,
+        limits: FollowLimits,
         light: impl Fn(DVec2) -> Radiosity,
     ) -> FaceLight {
         let mut found = FaceLight::default();
@@ -202,8 +218,8 @@ impl FaceCells {
             let mut value = CellLight::default();
             if cell.child == LEAF {
                 value = CellLight::sampled(|w| light(cell.at(w))).told_by(self.basis);
-                if value.deviation > limit
-                    && cell.width_squared > smallest * smallest
+                if value.deviation > limits.deviation(self.exposure[i].get())
+                    && cell.width_squared > limits.smallest * limits.smallest
                     && self.halve(face, i)
                 {
                     value = CellLight::default();
@@ -394,18 +410,33 @@ impl FaceLight {
     }
 }
 
+/// How closely cells follow the light.
+#[derive(Clone, Copy)]
+pub(super) struct FollowLimits {
+    /// Permitted error of a gather, W/m².
+    pub(super) error: f64,
+    /// Width below which no cell is halved, metres.
+    pub(super) smallest: f64,
+}
+
+impl FollowLimits {
+    /// Permitted departure from a linear function for a cell of the given exposure, W/m².
+    fn deviation(self, exposure: f64) -> f64 {
+        self.error * FOLLOW_SHARE.min(EXPOSED_SHARE / exposure)
+    }
+}
+
 /// The trees of all sides, followed to the light that `light(face, point)` gives, W/m².
 pub(super) fn follow_all(
     trees: &mut [FaceCells],
     faces: &[SolveFace],
-    limit: f64,
-    smallest: f64,
+    limits: FollowLimits,
     light: impl Fn(usize, DVec2) -> Radiosity + Sync,
 ) -> Vec<FaceLight> {
     trees
         .par_iter_mut()
         .zip(faces)
         .enumerate()
-        .map(|(f, (tree, face))| tree.follow(face, limit, smallest, |p| light(f, p)))
+        .map(|(f, (tree, face))| tree.follow(face, limits, |p| light(f, p)))
         .collect()
 }

@@ -12,12 +12,13 @@ mod estimate;
 
 pub use estimate::SolutionError;
 
-use super::cells::{FaceCells, FaceLight, follow_all};
+use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::field_face::FieldFace;
 use super::gather::Oracle;
 use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
+use super::solve_mesh::SPREAD_POINTS;
 use super::{
     Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
 };
@@ -35,8 +36,8 @@ const MAX_ROUNDS: usize = 24;
 
 /// Shares of the permitted error that one link may miss by what is not linear about a cell, and one ray by what stands
 /// between (where rays are used at all). The mistakes of many add like random steps.
-const LINK_SHARE: f64 = 0.1;
-const RAY_SHARE: f64 = 0.1;
+const LINK_SHARE: f64 = 0.2;
+const RAY_SHARE: f64 = 0.2;
 
 /// A correction is small: its gathers may be so much less accurate.
 const CORRECTION_ACCURACY: f64 = 4.0;
@@ -46,10 +47,6 @@ const REFERENCE_SHARE: f64 = 0.25;
 
 /// A face whose share of the residual sends less than this share of the permitted error is not looked at.
 const SKIP_SHARE: f64 = 0.05;
-
-/// Cells follow the light until it departs from linear by less than this many times the permitted error: it is weighed by
-/// the cell's form factor before anyone sees it.
-const FOLLOW_SHARE: f64 = 4.0;
 
 /// Cells are at most as wide as the spacing of the solve mesh, and not divided below this share of it.
 const SMALLEST_SHARE: f64 = 1.0 / 32.0;
@@ -63,8 +60,8 @@ const AMBIENT_SHARE: f64 = 0.15;
 /// are always cut exactly.
 const MANY_SIDES: usize = 256;
 
-/// Rays from such a face: evenly spread, they are right to about a per cent.
-const SMALL_FACE_RAYS: u32 = 512;
+/// Rays from each point of such a face: evenly spread, all of them are right to about a per cent.
+const SMALL_FACE_RAYS: u32 = 128;
 
 /// What is asked of the indirect light.
 #[derive(Clone, Copy, Debug)]
@@ -177,6 +174,13 @@ impl Coarse<'_> {
     }
 }
 
+fn follow_limits(mesh: &SolveMesh, error: f64) -> FollowLimits {
+    FollowLimits {
+        error,
+        smallest: SMALLEST_SHARE * mesh.spacing,
+    }
+}
+
 /// The light of the cells when `arriving` (W/m²) reaches them, and what it has over `old`.
 fn residual(
     mesh: &SolveMesh,
@@ -185,9 +189,7 @@ fn residual(
     error: f64,
     arriving: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
 ) -> (Vec<FaceLight>, Vec<FaceLight>) {
-    let limit = FOLLOW_SHARE * error;
-    let smallest = SMALLEST_SHARE * mesh.spacing;
-    let new = follow_all(trees, &mesh.faces, limit, smallest, |f, p| {
+    let new = follow_all(trees, &mesh.faces, follow_limits(mesh, error), |f, p| {
         let face = &mesh.faces[f];
         Radiosity(face.reflectance_at(p) * arriving(face, f, p).0)
     });
@@ -226,9 +228,8 @@ impl<'a> IndirectField<'a> {
             .par_iter()
             .map(|f| FaceCells::new(f, mesh.spacing, request.basis))
             .collect();
-        let smallest = SMALLEST_SHARE * mesh.spacing;
-        let limit = FOLLOW_SHARE * request.error;
-        let mut light = follow_all(&mut trees, &mesh.faces, limit, smallest, |f, p| {
+        let limits = follow_limits(&mesh, request.error);
+        let mut light = follow_all(&mut trees, &mesh.faces, limits, |f, p| {
             let face = &mesh.faces[f];
             Radiosity(face.reflectance_at(p) * direct(face, f, p).0)
         });
@@ -251,7 +252,8 @@ impl<'a> IndirectField<'a> {
         let is_crowded = is_crowded(&mesh);
         let transport = Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
             let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
-            request.rays.or(small)
+            let points = if face.is_small { SPREAD_POINTS } else { 1 };
+            request.rays.map(|n| n / points).or(small)
         });
         let (values, report) = transport.solve(&mesh, &mut light, request.method())?;
         let solution = Coarse {

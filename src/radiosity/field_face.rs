@@ -9,14 +9,17 @@ use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// A small face with one value may vary by about this share of it.
-const UNIFORM_VARIATION: f64 = 0.3;
+/// What the points of a small face do not tell of how it varies, as a share of its value.
+const UNIFORM_VARIATION: f64 = 0.1;
 
 /// Linear interpolation is off by at most this share of the range of the corners, unless light breaks inside.
 const LINEAR_SHARE: f64 = 0.25;
 
 /// Quadratic interpolation is off by about this share of what it adds to linear interpolation.
-const QUADRATIC_SHARE: f64 = 0.3;
+const QUADRATIC_SHARE: f64 = 0.2;
+
+/// And by no less than this share of it, however good one gather in the middle finds it.
+const PROBED_SHARE: f64 = 0.08;
 
 /// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
 const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
@@ -39,8 +42,10 @@ pub(super) struct FieldFace {
     locator: Locator,
     values: Vec<Irradiance>,
     known: Vec<Knowledge>,
-    /// All values are one gather from the middle of the face.
+    /// All values are the mean of the points of a small face.
     is_uniform: bool,
+    /// What these tell of the variance over the face, (W/m²)².
+    variance: f64,
     /// Points that divide the elements, beside those of the solve mesh.
     points: Vec<GridPoint>,
     /// Values at vertices and edge midpoints, by doubled grid coordinates.
@@ -62,6 +67,7 @@ impl FieldFace {
             known: vec![Knowledge::default(); mesh.elements.len()],
             points: mesh.vertices.clone(),
             is_uniform: middles.iter().any(Option::is_none),
+            variance: solution.mean_and_variance(f).1,
             mesh,
             values,
             gathered: HashMap::new(),
@@ -112,7 +118,8 @@ impl FieldFace {
     pub(super) fn errors(&self) -> Vec<f64> {
         if self.is_uniform {
             let value = self.values.first().map_or(0.0, |v| v.0.mean_square());
-            return vec![self.area() * UNIFORM_VARIATION * UNIFORM_VARIATION * value];
+            let unseen = UNIFORM_VARIATION * UNIFORM_VARIATION * value;
+            return vec![self.area() * (self.variance + unseen)];
         }
         (0..self.known.len()).map(|e| self.error(e)).collect()
     }
@@ -125,10 +132,12 @@ impl FieldFace {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let part = match known.middles[k] {
                 None => LINEAR_SHARE * LINEAR_SHARE * (a - b).0.mean_square(),
-                Some(_) if known.centre.is_some() => 0.0,
                 Some(m) => {
-                    let bend = (m - (a + b) * 0.5).0.mean_square();
-                    QUADRATIC_SHARE * QUADRATIC_SHARE * bend
+                    let share = match known.centre {
+                        Some(_) => PROBED_SHARE,
+                        None => QUADRATIC_SHARE,
+                    };
+                    share * share * (m - (a + b) * 0.5).0.mean_square()
                 }
             };
             square = square.max(part);

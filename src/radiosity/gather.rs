@@ -143,15 +143,17 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// As [`Gatherer::visit`] by so many rays alone, every face that they meet taken as a whole: right to a few per cent.
+    /// As [`Gatherer::visit`] by these rays of an even set alone, every face that they meet taken as a whole: right to a few
+    /// per cent.
     pub(super) fn visit_by_rays(
         &mut self,
         view: &Viewpoint,
         own: FaceId,
-        rays: u32,
+        rays: Range<u32>,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let mut seen: Vec<usize> = (0..rays)
+        let count = f64::from(rays.end - rays.start);
+        let mut seen: Vec<usize> = rays
             .filter_map(|i| {
                 let hit = self.blockers.rays().nearest_where(
                     view.position,
@@ -174,7 +176,7 @@ impl<'a> Gatherer<'a> {
             .collect();
         seen.sort_unstable();
         for hits in seen.chunk_by(|a, b| a == b) {
-            let share = hits.len() as f64 / f64::from(rays) / 3.0;
+            let share = hits.len() as f64 / count / 3.0;
             self.whole(hits[0], share / self.mesh.faces[hits[0]].area, sink);
         }
     }
@@ -322,7 +324,10 @@ impl<'a> Gatherer<'a> {
                 self.descend(walk, child, touching.clone(), sink);
                 self.descend(walk, child + 1, touching, sink);
             }
-            _ => {
+            child => {
+                if child.is_none() {
+                    walk.tree.expose(c, seen.form_factor * seen.spread);
+                }
                 let weights = if touching.is_empty() && seen.is_above {
                     clear(walk, &seen, &strength)
                 } else {

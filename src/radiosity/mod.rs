@@ -15,6 +15,7 @@ mod cells;
 mod field;
 mod field_face;
 mod gather;
+mod greatest;
 mod kernel;
 mod locator;
 mod nodes;

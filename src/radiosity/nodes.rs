@@ -5,7 +5,7 @@ use crate::mesh::barycentric;
 use crate::quantity::Irradiance;
 use crate::visibility::Viewpoint;
 use glam::DVec2;
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// The nodes of one face.
@@ -17,7 +17,7 @@ pub(super) struct FaceNodes {
 
 /// Where the nodes of a face are.
 enum Places {
-    /// One for the whole face, at its middle.
+    /// Few, evenly spread: their mean holds for the whole face.
     Whole,
     /// At the sites of its mesh and at the midpoints of its elements' edges: quadratic in between.
     Quadratic {
@@ -35,9 +35,9 @@ impl FaceNodes {
         let n = mesh.site_vertices.len();
         let first = views.len();
         if face.is_small {
-            views.push(Viewpoint::new(face.middle_point, face.domain.normal));
+            views.extend(face.spread_points().map(|p| face.view(p)));
             return Self {
-                range: first..first + 1,
+                range: first..views.len(),
                 places: Places::Whole,
             };
         }
@@ -91,7 +91,10 @@ impl FaceNodes {
     pub(super) fn weights(&self, face: &SolveFace, p: DVec2) -> SmallVec<[(u32, f64); 6]> {
         let first = self.range.start as u32;
         let (sites, middles) = match &self.places {
-            Places::Whole => return smallvec![(first, 1.0)],
+            Places::Whole => {
+                let share = 1.0 / self.range.len() as f64;
+                return self.range.clone().map(|i| (i as u32, share)).collect();
+            }
             Places::Elements(elements) => {
                 // Outside all of them the one that comes nearest.
                 let depth = |t: &[DVec2; 3]| barycentric(*t, p).into_iter().fold(1.0, f64::min);
@@ -132,8 +135,21 @@ impl NodalField<'_> {
         let nodes = &self.nodes[f];
         match &nodes.places {
             Places::Quadratic { sites, .. } => self.values[sites[s] as usize],
-            _ => self.values[nodes.range.start],
+            Places::Elements(_) => self.values[nodes.range.start],
+            Places::Whole => self.mean_and_variance(f).0,
         }
+    }
+
+    /// Mean of the nodes of solve face `f`, and what they tell of the variance over the face (mean of the channels).
+    pub(super) fn mean_and_variance(&self, f: usize) -> (Irradiance, f64) {
+        let values = &self.values[self.nodes[f].range.clone()];
+        let mut sum = Irradiance::ZERO;
+        for &v in values {
+            sum += v;
+        }
+        let mean = sum * (1.0 / values.len() as f64);
+        let squares: f64 = values.iter().map(|&v| (v - mean).0.mean_square()).sum();
+        (mean, squares / (values.len() as f64 - 1.0).max(1.0))
     }
 
     /// At the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one node.

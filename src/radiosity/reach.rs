@@ -78,9 +78,14 @@ pub fn reached(
     }
 }
 
+/// Point `i` of a sequence that fills the unit square evenly.
+pub(super) fn even_point(i: u32) -> [f64; 2] {
+    R2.map(|r| (0.5 + r * f64::from(i + 1)).fract())
+}
+
 /// Direction `i` of a cosine-distributed set over the hemisphere about `n`.
 pub(super) fn direction(n: DVec3, i: u32) -> DVec3 {
-    let [a, b] = R2.map(|r| (0.5 + r * f64::from(i + 1)).fract());
+    let [a, b] = even_point(i);
     let (sin, cos) = (TAU * b).sin_cos();
     let u = n.any_orthonormal_vector();
     let v = n.cross(u);

@@ -10,6 +10,7 @@ use crate::form_factor::{FLAT, Patch, between};
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What all rows are made from.
 pub(super) struct Rows<'r> {
@@ -55,21 +56,23 @@ impl Rows<'_> {
         rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
     ) -> (Vec<FaceNodes>, Vec<Vec<Link>>) {
         let (nodes, views) = point_nodes(self.mesh, self.blockers);
-        let owner: Vec<&SolveFace> = self
+        // The nodes of a face share one set of rays.
+        let owner: Vec<(&SolveFace, u32)> = self
             .mesh
             .faces
             .iter()
             .zip(&nodes)
-            .flat_map(|(face, nodes)| nodes.range.clone().map(move |_| face))
+            .flat_map(|(face, nodes)| (0..nodes.range.len() as u32).map(move |i| (face, i)))
             .collect();
         let rows = views
             .par_iter()
             .zip(&owner)
             .map_init(
                 || self.gatherer(),
-                |gatherer, (view, face)| {
+                |gatherer, (view, (face, i))| {
                     let mut row = Vec::new();
-                    self.row(gatherer, view, face, rays(face), &mut |link| row.push(link));
+                    let rays = rays(face).map(|n| i * n..(i + 1) * n);
+                    self.row(gatherer, view, face, rays, &mut |link| row.push(link));
                     row
                 },
             )
@@ -116,7 +119,7 @@ impl Rows<'_> {
         gatherer: &mut Gatherer,
         view: &Viewpoint,
         face: &SolveFace,
-        rays: Option<u32>,
+        rays: Option<Range<u32>>,
         sink: &mut impl FnMut(Link),
     ) {
         let mut found = |f: usize, c: usize, weights| {
@@ -124,7 +127,7 @@ impl Rows<'_> {
             sink(Link { cell, weights });
         };
         match rays {
-            Some(n) => gatherer.visit_by_rays(view, face.domain.face, n, &mut found),
+            Some(rays) => gatherer.visit_by_rays(view, face.domain.face, rays, &mut found),
             None => gatherer.visit(view, self.oracle, &mut found),
         }
     }
@@ -142,6 +145,7 @@ impl Rows<'_> {
             for (w, weight) in RADON {
                 let view = element.face.view(cell.at(w));
                 let share = weight * cell.area / area;
+                let rays = rays.map(|n| 0..n);
                 self.row(gatherer, &view, element.face, rays, &mut |link: Link| {
                     all.push(Seen {
                         cell: link.cell,

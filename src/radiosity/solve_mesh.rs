@@ -1,6 +1,7 @@
 //! The lit sides, and on each the coarse mesh at whose corners and edge midpoints the light is gathered for the solution.
 
 use super::locator::Locator;
+use super::reach::even_point;
 use crate::geom::Plane;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
@@ -9,8 +10,9 @@ use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// A face with a radius below this share of the solve mesh's spacing has one value.
+/// A face with a radius below this share of the solve mesh's spacing has one value: the mean of so many points.
 const SMALL_SHARE: f64 = 0.25;
+pub(super) const SPREAD_POINTS: u32 = 4;
 
 /// Links are not asked to be more exact than for light that is reflected so many times over: where less than this is
 /// absorbed, openings decide.
@@ -63,17 +65,19 @@ impl SolveMesh {
     /// # Errors
     /// [`MeshError`]: our own bug.
     pub fn new(domains: Vec<(FaceDomain, Rgb)>, spacing: f64) -> Result<Self, MeshError> {
-        Self::graded(domains, spacing, |_, _| false)
+        Self::graded(domains, spacing, |_, _| false, |_| &[])
     }
 
-    /// The same with a row of points close to those edges for which `is_graded(domain, edge)`.
+    /// The same with a row of points close to those edges for which `is_graded(domain, edge)`, and one along the projection
+    /// of each of `rims(domain)`: lines close to the domain, their ends in space.
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
-    pub fn graded(
+    pub fn graded<'r>(
         domains: Vec<(FaceDomain, Rgb)>,
         spacing: f64,
         is_graded: impl Fn(&FaceDomain, EdgeId) -> bool,
+        rims: impl Fn(&FaceDomain) -> &'r [[DVec3; 2]],
     ) -> Result<Self, MeshError> {
         let mut faces = Vec::with_capacity(domains.len());
         for (domain, reflectance) in domains {
@@ -82,6 +86,9 @@ impl SolveMesh {
                 if is_graded(&domain, edge) {
                     points.extend(row_beside(&domain, ends, spacing));
                 }
+            }
+            for &rim in rims(&domain) {
+                points.extend(row_along(&domain, rim, spacing));
             }
             points.sort_unstable();
             points.dedup();
@@ -130,6 +137,25 @@ fn row_beside(
             .find(|&p| domain.polygon().contains(p))
             .map(|p| domain.grid.snap(p))
     })
+}
+
+/// Points half of `spacing` apart along the projection of a rim; none where the outline is closer than the rim itself.
+fn row_along(
+    domain: &FaceDomain,
+    rim: [DVec3; 2],
+    spacing: f64,
+) -> impl Iterator<Item = GridPoint> + '_ {
+    let [a, b] = rim.map(|p| domain.frame.to_plane(p));
+    let plane = domain.frame.plane();
+    let height = rim.map(|p| plane.distance(p).abs());
+    let height = height[0].max(height[1]);
+    let count = (2.0 * a.distance(b) / spacing).ceil().max(1.0) as u32;
+    (0..=count)
+        .map(move |i| a.lerp(b, f64::from(i) / f64::from(count)))
+        .filter(move |&p| {
+            domain.polygon().contains(p) && domain.polygon().distance_to_outline(p) > height
+        })
+        .map(|p| domain.grid.snap(p))
 }
 
 impl SolveFace {
@@ -205,6 +231,22 @@ impl SolveFace {
     /// A convex region that holds every line of sight from `view` to this face: the pyramid over its bounding rectangle.
     pub(super) fn region(&self, view: &Viewpoint) -> Region {
         Region::pyramid(view.position, &self.rectangle)
+    }
+
+    /// [`SPREAD_POINTS`] points, one in each equal share of its area, frame coordinates.
+    pub(super) fn spread_points(&self) -> impl Iterator<Item = DVec2> + '_ {
+        let mut element = 0;
+        let mut before = 0.0;
+        (0..SPREAD_POINTS).map(move |i| {
+            let at = self.area * (f64::from(i) + 0.5) / f64::from(SPREAD_POINTS);
+            while before + self.mesh.area(element) < at && element + 1 < self.mesh.elements.len() {
+                before += self.mesh.area(element);
+                element += 1;
+            }
+            let [u, v] = even_point(i);
+            let (root, p) = (u.sqrt(), self.mesh.corners(element));
+            p[0] * (1.0 - root) + p[1] * (root * (1.0 - v)) + p[2] * (root * v)
+        })
     }
 
     /// Where the value of local site `s` is taken.

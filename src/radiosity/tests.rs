@@ -1,6 +1,6 @@
 //! Classic radiosity of a room that is known on paper, geometry and all.
 
-use super::cells::{FaceCells, FaceLight, follow_all};
+use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::gather::Oracle;
 use super::solve::{Method, Transport};
 use super::{Basis, Bounces, SolveMesh, Solver};
@@ -66,7 +66,11 @@ fn one_element_a_face_lights_the_cube() {
         let cells = |f| FaceCells::new(f, mesh.spacing, Basis::Constant);
         let mut trees: Vec<FaceCells> = mesh.faces.iter().map(cells).collect();
         let is_up = |f: usize| mesh.faces[f].domain.normal.y < -0.5;
-        let sent: Vec<FaceLight> = follow_all(&mut trees, &mesh.faces, 1.0, 1.0, |f, _| {
+        let limits = FollowLimits {
+            error: 1.0,
+            smallest: 1.0,
+        };
+        let sent: Vec<FaceLight> = follow_all(&mut trees, &mesh.faces, limits, |f, _| {
             Radiosity(Rgb::grey(f64::from(u8::from(is_up(f)))))
         });
         let oracle = Oracle {

@@ -1,0 +1,44 @@
+//! Scenes in which the estimate of the error was found to be wrong.
+
+use super::Errors;
+use crate::common::bake::{bake, surface_points};
+use crate::common::fine_field::FineField;
+use crate::common::library::regression_world;
+use umbrage::radiosity::Bounces;
+
+const ASKED: f64 = 0.03;
+
+#[test]
+fn small_faces_with_dark_middles_are_gathered_where_they_are_lit() {
+    /// A side of a peg has less than this, m².
+    const LARGEST_SMALL: f64 = 0.05;
+    let world = regression_world("pegs-in-a-wall");
+    let solution = bake(&world, 0.1, Bounces::All);
+    let field = solution.indirect.as_ref().expect("the room reflects");
+    let mut gatherer = field.gatherer();
+    let (mut squares, mut count) = (0.0, 0.0);
+    for p in surface_points(&solution, 6000, 3) {
+        let receiver = &solution.receivers[p.receiver];
+        if receiver.area() < LARGEST_SMALL {
+            let f = receiver.solve_face.expect("it is lit");
+            let off = field.at(f, p.plane) - field.gather(&mut gatherer, &p.view(&solution));
+            squares += off.0.mean_square();
+            count += 1.0;
+        }
+    }
+    let off = (squares / count).sqrt() / field.mean();
+    // Many small faces may each be off by more than the whole; those with one dark value are off by all their light.
+    assert!(
+        off < 0.15,
+        "{off} of the mean indirect light, {count} points"
+    );
+}
+
+#[test]
+fn cells_follow_the_light_where_something_is_close() {
+    let world = regression_world("lamp-under-the-ceiling");
+    let solution = bake(&world, ASKED, Bounces::All);
+    let fine = FineField::new(&solution, 1500.0);
+    let found = Errors::measure(&solution, fine.as_ref(), 4000, 7);
+    assert!(found.solution < 0.6 * ASKED, "{found:?}");
+}

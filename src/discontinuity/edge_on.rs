@@ -37,7 +37,10 @@ pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
             for polygons in light.polygons.chunk_by(|a, b| a.emitter == b.emitter) {
                 let corners = scene.faces[face].loops.iter().flatten();
                 let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
-                if search.is_within_reach(polygons[0].emitter, &corners) {
+                let emitter = polygons[0].emitter;
+                if search.is_within_reach(emitter, &corners)
+                    && search.is_plane_worth(emitter, face, &corners)
+                {
                     past_face(search, polygons, face, &mut out);
                 }
             }

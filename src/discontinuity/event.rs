@@ -6,10 +6,11 @@ use super::reach::Reach;
 use super::span::LitSpans;
 use super::trace::Touch;
 use super::wedge::side_of_face;
+use super::worth::{Worth, length};
 use super::{Cause, Discontinuity, LineTolerance};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
-use crate::scene::{EdgeId, EdgeUse, EmitterId, IdVec, Scene, VertexId};
+use crate::scene::{EdgeId, EdgeUse, EmitterId, FaceId, IdVec, Scene, VertexId};
 use glam::DVec3;
 
 /// What exceeds a threshold so many times does so whatever rounding did.
@@ -104,6 +105,8 @@ pub(super) struct Search<'a> {
     /// Lines that break by less than this are left out, W/m².
     pub(super) least: f64,
     reach: Reach,
+    /// What is looked at where there is too much.
+    pub(super) worth: Worth,
     corners: Corners,
     /// The edges of each emitter's outline, sorted.
     rims: IdVec<EmitterId, Vec<EdgeId>>,
@@ -131,12 +134,18 @@ impl<'a> Search<'a> {
                 edges
             })
             .collect::<Vec<_>>();
+        let reach = Reach::new(scene, light, tolerance.least);
+        let longest_at = |v: VertexId| {
+            let lengths = incident[v].iter().map(|&e| length(scene, e));
+            lengths.fold(0.0, f64::max)
+        };
         Self {
             scene,
             light,
             floor: tolerance.floor,
             least: tolerance.least,
-            reach: Reach::new(scene, light, tolerance.least),
+            worth: Worth::new(scene, light, &reach, longest_at),
+            reach,
             incident,
             corners: Corners::new(scene, light.blockers),
             rims: IdVec::from(rims),
@@ -170,6 +179,32 @@ impl<'a> Search<'a> {
     /// False when the emitter gives too little there, or beyond, for any line: farther from it than it matters.
     pub(super) fn is_within_reach(&self, emitter: EmitterId, points: &[DVec3]) -> bool {
         self.reach.holds(emitter, points)
+    }
+
+    /// False when an edge ranks too low for the emitter, among so many.
+    pub(super) fn is_worth(&self, emitter: EmitterId, edge: EdgeId, least: f64) -> bool {
+        let ends = self.scene.edges[edge].ends.map(|v| self.scene.vertices[v]);
+        let length = ends[0].distance(ends[1]);
+        least == 0.0 || self.worth.rank(emitter, &ends, length) > least
+    }
+
+    /// False when the longest edge at a vertex ranks too low there for the emitter.
+    pub(super) fn is_vertex_worth(&self, emitter: EmitterId, vertex: VertexId, least: f64) -> bool {
+        let length = || self.longest_edge_at(vertex).length();
+        let position = self.scene.vertices[vertex];
+        least == 0.0 || self.worth.rank(emitter, &[position], length()) > least
+    }
+
+    /// False when the plane of a face with these corners ranks too low for the emitter.
+    pub(super) fn is_plane_worth(
+        &self,
+        emitter: EmitterId,
+        face: FaceId,
+        corners: &[DVec3],
+    ) -> bool {
+        let width = self.scene.faces[face].area.sqrt();
+        let least = self.worth.plane;
+        least == 0.0 || self.worth.rank(emitter, corners, width) > least
     }
 
     /// False when no ray can graze the vertex: nothing ends there, or a face covers it.

@@ -1,7 +1,7 @@
 //! VE and EV: the wedges that start at a corner or an edge of an emitter.
 
 use super::event::{Found, Search, is_silhouette};
-use super::trace::{self, Landing, Traced};
+use super::trace::{self, Hiders, Landing, Traced};
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::geom::Plane;
@@ -28,13 +28,16 @@ pub(super) fn past_edges(
     let (scene, light) = (search.scene, search.light);
     let plane = emitter_plane(scene, emitter);
     let mut found = Found::default();
+    let mut hiders = Hiders::default();
     let apex_position = scene.vertices[vertex];
     let apex = Apex::Vertex(vertex, apex_position);
     let tol = scene.weld_distance;
     for (id, edge) in scene.edges.iter() {
         let ends = edge.ends.map(|v| scene.vertices[v]);
-        let rim =
-            in_front(scene, &plane, edge.ends).filter(|_| search.is_within_reach(emitter, &ends));
+        let rim = in_front(scene, &plane, edge.ends).filter(|_| {
+            search.is_within_reach(emitter, &ends)
+                && search.is_worth(emitter, id, search.worth.wedge)
+        });
         let Some(rim) = rim else {
             found.culled += 1;
             continue;
@@ -53,7 +56,7 @@ pub(super) fn past_edges(
             continue;
         };
         found.wedges += 1;
-        let traced = trace::past_edge(&wedge, scene, light.blockers);
+        let traced = trace::past_edge(&wedge, scene, light.blockers, &mut hiders);
         if traced.is_nothing() {
             continue;
         }
@@ -84,6 +87,7 @@ pub(super) fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId
     let (scene, light) = (search.scene, search.light);
     let plane = emitter_plane(scene, emitter);
     let mut found = Found::default();
+    let mut hiders = Hiders::default();
     let rim = ends.map(|v| scene.vertices[v]);
     let tol = scene.weld_distance;
     for (vertex, &position) in scene.vertices.iter() {
@@ -91,6 +95,7 @@ pub(super) fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId
             || ends.contains(&vertex)
             || !search.can_be_grazed(vertex)
             || !search.is_within_reach(emitter, &[position])
+            || !search.is_vertex_worth(emitter, vertex, search.worth.wedge)
         {
             found.culled += 1;
             continue;
@@ -105,7 +110,7 @@ pub(super) fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId
             continue;
         }
         found.wedges += 1;
-        let traced = trace::past_vertex(&wedge, lit, scene, light.blockers);
+        let traced = trace::past_vertex(&wedge, lit, scene, light.blockers, &mut hiders);
         if traced.is_nothing() {
             continue;
         }

@@ -34,6 +34,7 @@ mod trace;
 mod triple;
 mod wedge;
 mod width;
+mod worth;
 
 pub use width::penumbra_width;
 
@@ -174,6 +175,8 @@ pub struct SearchReport {
     pub wedges: usize,
     /// Wedges culled before tracing: no silhouette, or behind the emitter.
     pub culled: usize,
+    /// Whether there were too many features to look at all: those that rank low draw no lines then.
+    pub is_partial: bool,
     /// Triples of edges that were followed.
     pub triples: usize,
     /// Arcs that landed on receivers.
@@ -232,7 +235,9 @@ fn arcs(search: &Search, found: &[Found], report: &mut SearchReport) -> Vec<Arc>
     loop {
         next.sort_unstable();
         next.dedup();
-        next.retain(|&t| known.insert(t));
+        next.retain(|t| !known.contains(t));
+        worth::keep_longest(search.scene, &mut next, known.len());
+        known.extend(next.iter().copied());
         if next.is_empty() {
             report.triples = known.len();
             report.arcs = out.len();
@@ -265,7 +270,10 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
                 nve::through_vertex(&search, v, scratch)
             }),
     );
-    let mut report = SearchReport::default();
+    let mut report = SearchReport {
+        is_partial: search.worth.wedge > 0.0,
+        ..SearchReport::default()
+    };
     let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];
     for arc in arcs(&search, &found, &mut report) {
         lines[slot(arc.line.face, arc.line.side)].add_arc(scene, arc, tolerance.chord);

@@ -14,7 +14,7 @@
 
 use super::event::{Found, Search, is_silhouette};
 use super::strength::{End, Feature, predicted_jump};
-use super::trace;
+use super::trace::{self, Hiders};
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::EmitterPolygon;
@@ -30,6 +30,10 @@ type Sight = Vec<(DVec3, f64)>;
 /// Sides of the cone that the tree of blockers is asked with: of more corners some are left out, which widens the cone.
 const FEW_SIDES: usize = 8;
 
+/// Parts in the boxes between a vertex and an emitter from which on, in scenes of too many features, it is not looked through
+/// the vertex.
+const CLUTTER: usize = 256;
+
 /// All NVE wedges with their apex at `vertex`.
 pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Scratch) -> Found {
     let mut found = Found::default();
@@ -41,6 +45,7 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
     for polygon in &light.polygons {
         if polygon.plane.distance(eye) <= scene.weld_distance
             || !search.is_within_reach(polygon.emitter, &[eye])
+            || !search.is_vertex_worth(polygon.emitter, vertex, search.worth.view)
             || !search.may_be_grazed_towards(vertex, &polygon.corners)
         {
             continue;
@@ -50,6 +55,9 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
             corners: &polygon.corners,
             plane: polygon.plane,
         };
+        if search.worth.view > 0.0 && is_cluttered(search, eye, &polygon.corners) {
+            continue;
+        }
         let mut sights: Vec<Sight> = Vec::new();
         scratch.visible_pieces(light.blockers, &view, target, |piece| {
             sights.push(sight(piece));
@@ -58,18 +66,33 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
             continue;
         }
         for is_ahead in [true, false] {
-            for edge in edges_in_sight(search, vertex, polygon, &sights, is_ahead) {
+            let mut hiders = Hiders::default();
+            let edges = edges_in_sight(search, vertex, polygon, &sights, is_ahead);
+            let is_worth = |e: &EdgeId| search.is_worth(polygon.emitter, *e, search.worth.view);
+            for edge in edges.into_iter().filter(is_worth) {
                 past_edge(
                     search,
                     vertex,
                     edge,
                     (polygon.emitter, is_ahead),
+                    &mut hiders,
                     &mut found,
                 );
             }
         }
     }
     found
+}
+
+/// Whether so much stands between `eye` and an emitter that only bits of that are seen: no line that they draw is worth it.
+fn is_cluttered(search: &Search, eye: DVec3, corners: &[DVec3]) -> bool {
+    let mut count = 0;
+    let region = Region::pyramid(eye, corners);
+    search.light.blockers.query_while(&region, |_| {
+        count += 1;
+        count <= CLUTTER
+    });
+    count > CLUTTER
 }
 
 /// The edges that sight lines through the vertex may cross on their way from the emitter (`is_ahead`) or from there on.
@@ -157,6 +180,7 @@ fn past_edge(
     vertex: VertexId,
     edge: EdgeId,
     (emitter, is_ahead): (EmitterId, bool),
+    hiders: &mut Hiders,
     found: &mut Found,
 ) {
     let (scene, light) = (search.scene, search.light);
@@ -180,7 +204,7 @@ fn past_edge(
     };
     found.wedges += 1;
     let face = scene.emitters[emitter].face;
-    let traced = trace::past_both(&wedge, lit, (face, is_ahead), scene, light.blockers);
+    let traced = trace::past_both(&wedge, lit, (face, is_ahead), scene, light.blockers, hiders);
     let order = if search.runs_in_plane(vertex, &wedge.plane) {
         DiscontinuityOrder::D1
     } else {

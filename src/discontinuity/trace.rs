@@ -5,6 +5,7 @@ use super::wedge::{Mark, Section, Wedge};
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::Blockers;
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// A lit piece of a wedge on a receiver.
 #[derive(Clone, Copy, Debug)]
@@ -39,13 +40,25 @@ impl Traced {
     }
 }
 
+/// Parts that together hid one wedge: of the next one from the same place they likely hide much.
+#[derive(Debug, Default)]
+pub(super) struct Hiders(SmallVec<[u32; MOST_HIDERS]>);
+
+/// More than so many parts that hide a wedge together are not worth remembering.
+const MOST_HIDERS: usize = 8;
+
 /// VE: rays from the emitter vertex (apex) graze the blocker edge (rim) and land on the first face behind it.
-pub(super) fn past_edge(wedge: &Wedge, scene: &Scene, blockers: &Blockers) -> Traced {
+pub(super) fn past_edge(
+    wedge: &Wedge,
+    scene: &Scene,
+    blockers: &Blockers,
+    hiders: &mut Hiders,
+) -> Traced {
     // Most wedges end before the rim: what lies behind it need not be known.
     let behind = |lit: &LitSpans| behind_rim(wedge, lit, scene, blockers);
     let ray = |s| (wedge.apex, wedge.rim_at(s));
     let lit = LitSpans::whole();
-    from_emitter(wedge, (lit, true), scene, blockers, behind, ray)
+    from_emitter(wedge, (lit, true), scene, blockers, hiders, behind, ray)
 }
 
 /// VE where a light without a surface stands in for the vertex. What lies within the weld distance of it hides nothing.
@@ -55,7 +68,14 @@ pub(super) fn past_edge_from_light(
     blockers: &Blockers,
 ) -> Vec<Landing> {
     let mut lit = LitSpans::whole();
-    hide_before_rim(wedge, &mut lit, true, scene, blockers);
+    hide_before_rim(
+        wedge,
+        &mut lit,
+        true,
+        scene,
+        blockers,
+        &mut Hiders::default(),
+    );
     if lit.is_empty() {
         return Vec::new();
     }
@@ -71,10 +91,11 @@ pub(super) fn past_vertex(
     lit: LitSpans,
     scene: &Scene,
     blockers: &Blockers,
+    hiders: &mut Hiders,
 ) -> Traced {
     let behind = |lit: &LitSpans| wedge.sections_beyond(scene, blockers, lit.hull());
     let ray = |s| (wedge.rim_at(s), wedge.apex);
-    from_emitter(wedge, (lit, false), scene, blockers, behind, ray)
+    from_emitter(wedge, (lit, false), scene, blockers, hiders, behind, ray)
 }
 
 /// Rays of a wedge that starts on the emitter, at its apex (within the weld distance of which nothing hides) or at its rim: what is
@@ -85,10 +106,11 @@ fn from_emitter(
     (mut lit, is_source_the_apex): (LitSpans, bool),
     scene: &Scene,
     blockers: &Blockers,
+    hiders: &mut Hiders,
     behind: impl FnOnce(&LitSpans) -> Vec<Section>,
     ray: impl Fn(f64) -> (DVec3, DVec3),
 ) -> Traced {
-    let before = hide_before_rim(wedge, &mut lit, is_source_the_apex, scene, blockers);
+    let before = hide_before_rim(wedge, &mut lit, is_source_the_apex, scene, blockers, hiders);
     if lit.is_empty() {
         return Traced::default();
     }
@@ -110,24 +132,42 @@ fn hide_before_rim(
     is_source_the_apex: bool,
     scene: &Scene,
     blockers: &Blockers,
+    hiders: &mut Hiders,
 ) -> Vec<Section> {
-    let mut found: Vec<(u32, Section)> = Vec::new();
-    let region = wedge.region_before_rim(blockers.weld_distance());
-    blockers.query(&region, |i| {
-        if lit.is_empty() {
-            return;
-        }
-        let Some(section) = wedge.section_ahead(scene, blockers, blockers.part(i)) else {
-            return;
-        };
+    // Takes what part `i` hides from `lit`, and returns its section.
+    let hide = |i: u32, lit: &mut LitSpans| {
+        let section = wedge.section_ahead(scene, blockers, blockers.part(i))?;
         if is_source_the_apex && wedge.is_at_source(&section) {
-            return;
+            return None;
         }
-        if let Some((from, to)) = range_above(&section, 1.0 + wedge.rim_slack) {
+        let hidden = range_above(&section, 1.0 + wedge.rim_slack);
+        if let Some((from, to)) = hidden {
             lit.remove(from, to);
         }
-        found.push((i, section));
+        Some((section, hidden.is_some()))
+    };
+    for &i in &hiders.0 {
+        hide(i, lit);
+        if lit.is_empty() {
+            return Vec::new();
+        }
+    }
+    let mut found: Vec<(u32, Section)> = Vec::new();
+    let mut hiding: SmallVec<[u32; MOST_HIDERS]> = SmallVec::new();
+    let region = wedge.region_before_rim(blockers.weld_distance());
+    blockers.query_while(&region, |i| {
+        if let Some((section, is_hiding)) = hide(i, lit) {
+            if is_hiding && hiding.len() < MOST_HIDERS {
+                hiding.push(i);
+            }
+            found.push((i, section));
+        }
+        !lit.is_empty()
     });
+    if lit.is_empty() {
+        hiders.0 = hiding;
+        return Vec::new();
+    }
     found.sort_unstable_by_key(|f| f.0);
     found.into_iter().map(|f| f.1).collect()
 }
@@ -149,8 +189,9 @@ pub(super) fn past_both(
     (emitter, is_emitter_ahead): (FaceId, bool),
     scene: &Scene,
     blockers: &Blockers,
+    hiders: &mut Hiders,
 ) -> Traced {
-    let before = hide_before_rim(wedge, &mut lit, false, scene, blockers);
+    let before = hide_before_rim(wedge, &mut lit, false, scene, blockers, hiders);
     if lit.is_empty() {
         return Traced::default();
     }

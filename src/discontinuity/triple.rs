@@ -25,8 +25,12 @@ impl Triple {
             let [a, b] = [i, j].map(|k| search.scene.edges[edges[k]].ends);
             a.iter().any(|v| b.contains(v))
         };
-        let own = edges.iter().filter(|&&e| search.is_rim(emitter, e));
-        (own.count() <= 1 && !meets(0, 1) && !meets(1, 2) && !meets(0, 2))
+        let is_own = |e: &EdgeId| search.is_rim(emitter, *e);
+        let own = edges.iter().filter(|e| is_own(e)).count();
+        let are_long = edges
+            .iter()
+            .all(|e| is_own(e) || search.is_worth(emitter, *e, search.worth.wedge));
+        (own <= 1 && are_long && !meets(0, 1) && !meets(1, 2) && !meets(0, 2))
             .then_some(Self { edges, emitter })
     }
 }

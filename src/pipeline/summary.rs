@@ -165,6 +165,12 @@ impl Summary {
                 "no light reaches them",
             );
         }
+        if self.lines.is_partial {
+            say(
+                "lines of short edges far from their emitters".to_owned(),
+                "there are too many to look at each",
+            );
+        }
         let found: usize = solution
             .receivers
             .iter()

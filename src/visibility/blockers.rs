@@ -143,6 +143,11 @@ impl Blockers {
         self.tree.query(region, visit);
     }
 
+    /// As [`Self::query`], until `visit` returns false.
+    pub fn query_while(&self, region: &Region, visit: impl FnMut(u32) -> bool) {
+        self.tree.query_while(region, visit);
+    }
+
     /// Rays against all faces, as triangles.
     pub fn rays(&self) -> &RayCaster {
         &self.rays

@@ -45,6 +45,14 @@ impl BoxTree {
 
     /// Calls `visit` with every item whose box meets `region` (and with some whose box does not).
     pub fn query(&self, region: &Region, mut visit: impl FnMut(u32)) {
+        self.query_while(region, |i| {
+            visit(i);
+            true
+        });
+    }
+
+    /// As [`Self::query`], until `visit` returns false.
+    pub fn query_while(&self, region: &Region, mut visit: impl FnMut(u32) -> bool) {
         if self.bvh.nodes.is_empty() {
             return;
         }
@@ -61,7 +69,9 @@ impl BoxTree {
                 stack.push(node.first_index + 1);
             } else {
                 for i in node.first_index..node.first_index + node.prim_count {
-                    visit(self.bvh.primitive_indices[i as usize]);
+                    if !visit(self.bvh.primitive_indices[i as usize]) {
+                        return;
+                    }
                 }
             }
         }

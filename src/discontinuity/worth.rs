@@ -1,0 +1,213 @@
+//! Which features are looked at where there are too many of them.
+//!
+//! Every corner of every emitter makes a wedge with every edge within its reach. A hundred lamps over a hundred thousand
+//! edges make ten million wedges, most of them for lines shorter than the elements between them. So a feature is ranked
+//! before anything is traced: by its length times the most that the emitter can give there, `M A / (π d²)`. The first ones
+//! are looked at, as far as the count allows, and the summary says what was not.
+
+use super::reach::Reach;
+use super::triple::Triple;
+use crate::direct::DirectLight;
+use crate::scene::{EdgeId, EmitterId, IdVec, Scene, VertexId};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Wedges of emitters that are looked at, silhouettes or not: a second or two of work. Scenes of a few thousand faces under a
+/// few lamps have fewer.
+const MOST_WEDGES: usize = 400_000;
+
+/// Views of an emitter through a vertex: each has to be cut exactly, and looks at many edges.
+const MOST_VIEWS: usize = 5_000;
+
+/// Planes of faces that are followed from an emitter.
+const MOST_PLANES: usize = 40_000;
+
+/// Triples of edges that are followed.
+const MOST_TRIPLES: usize = 50_000;
+
+/// Ranks are told apart by this many steps to a factor of two, over so many factors.
+const STEPS: f64 = 8.0;
+const FACTORS: f64 = 64.0;
+
+/// An emitter from afar.
+#[derive(Clone, Copy, Debug)]
+struct Lamp {
+    middle: DVec3,
+    radius: f64,
+    /// Exitance times area over π, W.
+    power: f64,
+}
+
+/// The ranks from which on features are looked at; 0 where all are.
+#[derive(Clone, Debug)]
+pub(super) struct Worth {
+    lamps: IdVec<EmitterId, Lamp>,
+    /// Of edges and vertices in wedges from the emitter.
+    pub(super) wedge: f64,
+    /// Of vertices through which the emitter is seen, and of the edges seen with it.
+    pub(super) view: f64,
+    /// Of the planes of faces.
+    pub(super) plane: f64,
+}
+
+impl Worth {
+    /// `longest_at(vertex)` is the length of the longest edge there.
+    pub(super) fn new(
+        scene: &Scene,
+        light: &DirectLight,
+        reach: &Reach,
+        longest_at: impl Fn(VertexId) -> f64 + Sync,
+    ) -> Self {
+        let lamps: Vec<Lamp> = scene
+            .emitters
+            .iter()
+            .map(|(id, e)| {
+                let face = &scene.faces[e.face];
+                let corners = || face.loops.iter().flatten().map(|&v| scene.vertices[v]);
+                let middle = corners().sum::<DVec3>() / corners().count() as f64;
+                let own = light.polygons.iter().find(|p| p.emitter == id);
+                Lamp {
+                    middle,
+                    radius: corners().map(|p| p.distance(middle)).fold(0.0, f64::max),
+                    power: own.map_or(0.0, |p| p.exitance.0.mean()) * face.area / PI,
+                }
+            })
+            .collect();
+        let mut worth = Self {
+            lamps: IdVec::from(lamps),
+            wedge: 0.0,
+            view: 0.0,
+            plane: 0.0,
+        };
+        let ids: Vec<EmitterId> = scene.emitters.ids().collect();
+        let corners = |e: EmitterId| -> usize {
+            let face = &scene.faces[scene.emitters[e].face];
+            face.loops.iter().map(Vec::len).sum()
+        };
+        // Rank of a feature for every emitter within whose reach it is, with how often it is looked at.
+        let ranks = |points: &[DVec3], length: f64, count: &dyn Fn(EmitterId) -> usize| {
+            let within = ids.iter().filter(|&&e| reach.holds(e, points));
+            let ranked = within.map(|&e| (worth.rank(e, points, length), count(e)));
+            ranked.collect::<Vec<_>>()
+        };
+        let position = |v: VertexId| scene.vertices[v];
+        let edges: Vec<EdgeId> = scene.edges.ids().collect();
+        let vertices: Vec<VertexId> = scene.vertices.ids().collect();
+        let along_edge = |&e: &EdgeId| {
+            let ends = scene.edges[e].ends.map(position);
+            ranks(&ends, ends[0].distance(ends[1]), &corners)
+        };
+        let at_vertex = |&v: &VertexId| ranks(&[position(v)], longest_at(v), &corners);
+        let through_vertex = |&v: &VertexId| ranks(&[position(v)], longest_at(v), &|_| 1);
+        let of_face = |face: &crate::scene::Face| {
+            let points: Vec<DVec3> = face.loops.iter().flatten().map(|&v| position(v)).collect();
+            ranks(&points, face.area.sqrt(), &|_| 1)
+        };
+        let all: usize = ids.iter().map(|&e| corners(e)).sum();
+        let wedge = if all * (edges.len() + vertices.len()) > MOST_WEDGES {
+            let both = (edges.par_iter().flat_map_iter(along_edge))
+                .chain(vertices.par_iter().flat_map_iter(at_vertex));
+            least(both, MOST_WEDGES)
+        } else {
+            0.0
+        };
+        let view = if ids.len() * vertices.len() > MOST_VIEWS {
+            least(
+                vertices.par_iter().flat_map_iter(through_vertex),
+                MOST_VIEWS,
+            )
+        } else {
+            0.0
+        };
+        let plane = if ids.len() * scene.faces.len() > MOST_PLANES {
+            let faces = scene.faces.as_slice().par_iter();
+            least(faces.flat_map_iter(of_face), MOST_PLANES)
+        } else {
+            0.0
+        };
+        (worth.wedge, worth.view, worth.plane) = (wedge, view.max(wedge), plane);
+        worth
+    }
+
+    /// The most that the emitter can give at the nearest of the box around `points`, times `length`, W/m.
+    pub(super) fn rank(&self, emitter: EmitterId, points: &[DVec3], length: f64) -> f64 {
+        let lamp = self.lamps[emitter];
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let away = lamp.middle.distance(lamp.middle.clamp(low, high));
+        let distance = (away - lamp.radius).max(lamp.radius);
+        lamp.power * length / (distance * distance)
+    }
+}
+
+/// The rank from which on no more than `most` are counted, of ranks with their counts, in steps of an eighth of a factor of
+/// two; 0 where all are within that. The same for any order and any unit.
+fn least(ranks: impl ParallelIterator<Item = (f64, usize)> + Clone, most: usize) -> f64 {
+    let greatest = ranks.clone().map(|r| r.0).reduce(|| 0.0, f64::max);
+    let steps = (STEPS * FACTORS) as usize;
+    let step_of = |rank: f64| {
+        let below = (greatest / rank).log2() * STEPS;
+        (below.max(0.0) as usize).min(steps)
+    };
+    let counts = ranks
+        .fold(
+            || vec![0usize; steps + 1],
+            |mut counts, (rank, count)| {
+                counts[step_of(rank)] += count;
+                counts
+            },
+        )
+        .reduce(
+            || vec![0; steps + 1],
+            |a, b| a.iter().zip(&b).map(|(x, y)| x + y).collect(),
+        );
+    let mut sum = 0;
+    let over = counts.iter().position(|c| {
+        sum += c;
+        sum > most
+    });
+    over.map_or(0.0, |step| greatest * (-(step as f64) / STEPS).exp2())
+}
+
+/// Keeps the triples with the longest edges, as far as the count of all triples allows, `known` of which are not new.
+pub(super) fn keep_longest(scene: &Scene, triples: &mut Vec<Triple>, known: usize) {
+    let most = MOST_TRIPLES.saturating_sub(known);
+    if triples.len() <= most {
+        return;
+    }
+    // The shortest of the three bounds what all of them draw.
+    let shortest = |t: &Triple| {
+        let lengths = t.edges.map(|e| length(scene, e));
+        lengths.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let lengths = triples.par_iter().map(|t| (shortest(t), 1));
+    let least = least(lengths, most);
+    triples.retain(|t| shortest(t) > least);
+}
+
+/// Length of an edge, metres.
+pub(super) fn length(scene: &Scene, edge: EdgeId) -> f64 {
+    let [a, b] = scene.edges[edge].ends.map(|v| scene.vertices[v]);
+    a.distance(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::least;
+    use rayon::prelude::*;
+
+    #[test]
+    fn the_first_are_in_as_far_as_the_count_allows() {
+        let items = [(4.0, 2), (2.0, 3), (1.0, 4)];
+        let above = |most| {
+            let least = least(items.par_iter().copied(), most);
+            items.iter().filter(|i| i.0 > least).count()
+        };
+        assert_eq!(above(9), 3);
+        assert_eq!(above(8), 2);
+        assert_eq!(above(5), 2);
+        assert_eq!(above(4), 1);
+        assert_eq!(above(1), 0);
+    }
+}

@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
             light,
             floor: tolerance.floor,
             least: tolerance.least,
-            worth: Worth::new(scene, light, &reach, longest_at),
+            worth: Worth::new(scene, &reach, longest_at),
             reach,
             incident,
             corners: Corners::new(scene, light.blockers),

@@ -271,7 +271,7 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
             }),
     );
     let mut report = SearchReport {
-        is_partial: search.worth.wedge > 0.0,
+        is_partial: search.worth.is_partial(),
         ..SearchReport::default()
     };
     let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];

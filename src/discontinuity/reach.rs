@@ -9,37 +9,61 @@ use crate::scene::{EmitterId, IdVec, Scene};
 use glam::DVec3;
 use std::f64::consts::PI;
 
+/// An emitter from afar.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lamp {
+    /// Of its corners.
+    pub(super) middle: DVec3,
+    /// Distance of the farthest corner from the middle, metres.
+    pub(super) radius: f64,
+    /// Exitance times area over π, W: over the square of a distance the most that it gives there.
+    pub(super) power: f64,
+}
+
 /// A ball for each emitter: no line that matters starts outside of it.
-pub(super) struct Reach(IdVec<EmitterId, (DVec3, f64)>);
+pub(super) struct Reach {
+    pub(super) lamps: IdVec<EmitterId, Lamp>,
+    /// Lines that break by less than this do not matter, W/m².
+    least: f64,
+}
 
 impl Reach {
     /// The balls for lines that break by at least `least`, W/m².
     pub(super) fn new(scene: &Scene, light: &DirectLight, least: f64) -> Self {
-        let balls: Vec<(DVec3, f64)> = scene
+        let lamps: Vec<Lamp> = scene
             .emitters
             .iter()
             .map(|(id, e)| {
                 let face = &scene.faces[e.face];
                 let corners = || face.loops.iter().flatten().map(|&v| scene.vertices[v]);
-                let count = corners().count() as f64;
-                let middle = corners().sum::<DVec3>() / count;
-                let radius = corners().map(|p| p.distance(middle)).fold(0.0, f64::max);
+                let middle = corners().sum::<DVec3>() / corners().count() as f64;
                 let own = light.polygons.iter().find(|p| p.emitter == id);
-                let power = own.map_or(0.0, |p| p.exitance.0.mean()) * face.area;
-                (middle, radius + (power / (PI * least)).sqrt())
+                Lamp {
+                    middle,
+                    radius: corners().map(|p| p.distance(middle)).fold(0.0, f64::max),
+                    power: own.map_or(0.0, |p| p.exitance.0.mean()) * face.area / PI,
+                }
             })
             .collect();
-        Self(IdVec::from(balls))
+        Self {
+            lamps: IdVec::from(lamps),
+            least,
+        }
     }
 
     /// False when the convex hull of `points` certainly lies outside of the emitter's ball: that of an edge or a face.
     pub(super) fn holds(&self, emitter: EmitterId, points: &[DVec3]) -> bool {
-        let (middle, radius) = self.0[emitter];
-        if radius.is_infinite() {
-            return true;
-        }
+        let lamp = self.lamps[emitter];
+        let reach = lamp.radius + (lamp.power / self.least).sqrt();
+        reach.is_infinite() || lamp.distance(points) <= reach
+    }
+}
+
+impl Lamp {
+    /// Distance of the middle from the box around `points`, metres: no more than from anything between them.
+    pub(super) fn distance(&self, points: &[DVec3]) -> f64 {
         let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        middle.distance_squared(middle.clamp(low, high)) <= radius * radius
+        self.middle.distance(self.middle.clamp(low, high))
     }
 }

@@ -5,20 +5,18 @@
 //! before anything is traced: by its length times the most that the emitter can give there, `M A / (π d²)`. The first ones
 //! are looked at, as far as the count allows, and the summary says what was not.
 
-use super::reach::Reach;
+use super::reach::{Lamp, Reach};
 use super::triple::Triple;
-use crate::direct::DirectLight;
-use crate::scene::{EdgeId, EmitterId, IdVec, Scene, VertexId};
+use crate::scene::{EdgeId, EmitterId, Face, IdVec, Scene, VertexId};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Wedges of emitters that are looked at, silhouettes or not: a second or two of work. Scenes of a few thousand faces under a
 /// few lamps have fewer.
 const MOST_WEDGES: usize = 400_000;
 
 /// Views of an emitter through a vertex: each has to be cut exactly, and looks at many edges.
-const MOST_VIEWS: usize = 5_000;
+const MOST_VIEWS: usize = 30_000;
 
 /// Planes of faces that are followed from an emitter.
 const MOST_PLANES: usize = 40_000;
@@ -29,15 +27,6 @@ const MOST_TRIPLES: usize = 50_000;
 /// Ranks are told apart by this many steps to a factor of two, over so many factors.
 const STEPS: f64 = 8.0;
 const FACTORS: f64 = 64.0;
-
-/// An emitter from afar.
-#[derive(Clone, Copy, Debug)]
-struct Lamp {
-    middle: DVec3,
-    radius: f64,
-    /// Exitance times area over π, W.
-    power: f64,
-}
 
 /// The ranks from which on features are looked at; 0 where all are.
 #[derive(Clone, Debug)]
@@ -55,27 +44,11 @@ impl Worth {
     /// `longest_at(vertex)` is the length of the longest edge there.
     pub(super) fn new(
         scene: &Scene,
-        light: &DirectLight,
         reach: &Reach,
         longest_at: impl Fn(VertexId) -> f64 + Sync,
     ) -> Self {
-        let lamps: Vec<Lamp> = scene
-            .emitters
-            .iter()
-            .map(|(id, e)| {
-                let face = &scene.faces[e.face];
-                let corners = || face.loops.iter().flatten().map(|&v| scene.vertices[v]);
-                let middle = corners().sum::<DVec3>() / corners().count() as f64;
-                let own = light.polygons.iter().find(|p| p.emitter == id);
-                Lamp {
-                    middle,
-                    radius: corners().map(|p| p.distance(middle)).fold(0.0, f64::max),
-                    power: own.map_or(0.0, |p| p.exitance.0.mean()) * face.area / PI,
-                }
-            })
-            .collect();
         let mut worth = Self {
-            lamps: IdVec::from(lamps),
+            lamps: reach.lamps.clone(),
             wedge: 0.0,
             view: 0.0,
             plane: 0.0,
@@ -100,7 +73,7 @@ impl Worth {
         };
         let at_vertex = |&v: &VertexId| ranks(&[position(v)], longest_at(v), &corners);
         let through_vertex = |&v: &VertexId| ranks(&[position(v)], longest_at(v), &|_| 1);
-        let of_face = |face: &crate::scene::Face| {
+        let of_face = |face: &Face| {
             let points: Vec<DVec3> = face.loops.iter().flatten().map(|&v| position(v)).collect();
             ranks(&points, face.area.sqrt(), &|_| 1)
         };
@@ -130,13 +103,15 @@ impl Worth {
         worth
     }
 
+    /// Whether something ranks too low to be looked at.
+    pub(super) fn is_partial(&self) -> bool {
+        self.wedge > 0.0 || self.view > 0.0 || self.plane > 0.0
+    }
+
     /// The most that the emitter can give at the nearest of the box around `points`, times `length`, W/m.
     pub(super) fn rank(&self, emitter: EmitterId, points: &[DVec3], length: f64) -> f64 {
         let lamp = self.lamps[emitter];
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let away = lamp.middle.distance(lamp.middle.clamp(low, high));
-        let distance = (away - lamp.radius).max(lamp.radius);
+        let distance = (lamp.distance(points) - lamp.radius).max(lamp.radius);
         lamp.power * length / (distance * distance)
     }
 }

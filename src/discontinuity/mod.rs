@@ -236,7 +236,7 @@ fn arcs(search: &Search, found: &[Found], report: &mut SearchReport) -> Vec<Arc>
         next.sort_unstable();
         next.dedup();
         next.retain(|t| !known.contains(t));
-        worth::keep_longest(search.scene, &mut next, known.len());
+        report.is_partial |= worth::keep_longest(search.scene, &mut next, known.len());
         known.extend(next.iter().copied());
         if next.is_empty() {
             report.triples = known.len();

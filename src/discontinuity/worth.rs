@@ -145,11 +145,12 @@ fn least(ranks: impl ParallelIterator<Item = (f64, usize)> + Clone, most: usize)
     over.map_or(0.0, |step| greatest * (-(step as f64) / STEPS).exp2())
 }
 
-/// Keeps the triples with the longest edges, as far as the count of all triples allows, `known` of which are not new.
-pub(super) fn keep_longest(scene: &Scene, triples: &mut Vec<Triple>, known: usize) {
+/// Keeps the triples with the longest edges, as far as the count of all triples allows, `known` of which are not new; true
+/// when some are left out.
+pub(super) fn keep_longest(scene: &Scene, triples: &mut Vec<Triple>, known: usize) -> bool {
     let most = MOST_TRIPLES.saturating_sub(known);
     if triples.len() <= most {
-        return;
+        return false;
     }
     // The shortest of the three bounds what all of them draw.
     let shortest = |t: &Triple| {
@@ -159,6 +160,7 @@ pub(super) fn keep_longest(scene: &Scene, triples: &mut Vec<Triple>, known: usiz
     let lengths = triples.par_iter().map(|t| (shortest(t), 1));
     let least = least(lengths, most);
     triples.retain(|t| shortest(t) > least);
+    true
 }
 
 /// Length of an edge, metres.

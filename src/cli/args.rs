@@ -89,7 +89,7 @@ pub(super) struct SceneArgs {
     /// Says nothing but errors
     #[arg(long)]
     pub(super) quiet: bool,
-    /// Says more: every warning
+    /// Says more: every warning, and in a log each stage as it begins
     #[arg(short, long)]
     pub(super) verbose: bool,
 }

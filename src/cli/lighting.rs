@@ -1,7 +1,7 @@
 //! A scene read, cleaned and lit for one of the commands, with times and memory of each stage.
 
 use super::args::SceneArgs;
-use super::progress::Bar;
+use super::progress::Shown;
 use super::{options, terminal};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -47,13 +47,13 @@ pub(super) struct Lit<'a> {
 
 /// Lights what was prepared. Reading and cleaning have been paid for from the same budget.
 pub(super) fn solve<'a>(prepared: &'a Prepared, args: &SceneArgs) -> anyhow::Result<Lit<'a>> {
-    let bar = Bar::new(args.quiet);
+    let shown = Shown::new(args.quiet, args.verbose);
     let spent: f64 = prepared.stages.iter().map(|s| s.seconds).sum();
     let mut settings = prepared.settings.clone();
     settings.budget.seconds = settings.budget.seconds.map(|most| (most - spent).max(0.0));
-    let progress: &mut Progress = &mut |name, done| bar.show(name, done);
+    let progress: &mut Progress = &mut |name, done| shown.show(name, done);
     let solved = light(&prepared.world, &settings, progress);
-    bar.finish();
+    shown.finish();
     let mut solution = solved?;
     let summary = &mut solution.summary;
     summary.stages.splice(0..0, prepared.stages.clone());

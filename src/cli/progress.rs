@@ -1,48 +1,102 @@
-//! Progress bars on a terminal, nothing when piped.
+//! Progress: a bar on a terminal; in a log, when more is asked for, a line for each stage.
 
+use super::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::cell::Cell;
 use std::io::IsTerminal;
+use std::time::{Duration, Instant};
 
-/// One bar that changes its name with each stage.
-pub(super) struct Bar(Option<ProgressBar>);
+/// What there is to see of the stage that is running.
+pub(super) enum Shown {
+    /// One bar that changes its name with each stage.
+    Bar(ProgressBar),
+    /// A line for each stage as it begins, and now and then what share of it is done.
+    Log(Log),
+    /// Nothing.
+    Silent,
+}
+
+/// Where a log stands.
+pub(super) struct Log {
+    since: Instant,
+    stage: Cell<&'static str>,
+    last: Cell<Instant>,
+}
 
 /// Steps of the bar.
 const STEPS: u64 = 100;
 
-impl Bar {
-    /// A bar on a terminal; otherwise, or when `quiet`, none.
-    pub(super) fn new(quiet: bool) -> Self {
-        if quiet || !std::io::stderr().is_terminal() {
-            return Self(None);
+/// A log says so often how far a stage has come.
+const LOG_INTERVAL: Duration = Duration::from_secs(10);
+
+impl Shown {
+    /// A bar on a terminal; otherwise, when `is_verbose`, a log; nothing when `is_quiet`.
+    pub(super) fn new(is_quiet: bool, is_verbose: bool) -> Self {
+        let is_terminal = std::io::stderr().is_terminal();
+        if is_quiet || !(is_terminal || is_verbose) {
+            return Self::Silent;
+        }
+        if !is_terminal {
+            let now = Instant::now();
+            return Self::Log(Log {
+                since: now,
+                stage: Cell::new(""),
+                last: Cell::new(now),
+            });
         }
         let bar = ProgressBar::new(STEPS);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:14} [{bar:30}] {elapsed}") {
             bar.set_style(style);
         }
-        Self(Some(bar))
+        Self::Bar(bar)
     }
 
     /// Shows stage `name`, done to the share `done` (0…1) where that is known.
     pub(super) fn show(&self, name: &'static str, done: Option<f64>) {
-        if let Some(bar) = &self.0 {
-            bar.set_message(name);
-            bar.set_position((done.unwrap_or(0.0) * STEPS as f64) as u64);
-            bar.tick();
+        match self {
+            Self::Bar(bar) => {
+                bar.set_message(name);
+                bar.set_position((done.unwrap_or(0.0) * STEPS as f64) as u64);
+                bar.tick();
+            }
+            Self::Log(log) => log.show(name, done),
+            Self::Silent => {}
         }
     }
 
     /// Shows what is being done where nobody knows how long it takes.
     pub(super) fn tell(&self, what: &str) {
-        if let Some(bar) = &self.0 {
-            bar.set_message(what.to_owned());
-            bar.tick();
+        match self {
+            Self::Bar(bar) => {
+                bar.set_message(what.to_owned());
+                bar.tick();
+            }
+            Self::Log(log) => log.line(what),
+            Self::Silent => {}
         }
     }
 
-    /// Clears the line.
+    /// Clears the bar.
     pub(super) fn finish(self) {
-        if let Some(bar) = self.0 {
+        if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
+    }
+}
+
+impl Log {
+    fn show(&self, name: &'static str, done: Option<f64>) {
+        if self.stage.replace(name) != name {
+            self.line(name);
+        } else if let Some(done) = done
+            && self.last.get().elapsed() >= LOG_INTERVAL
+        {
+            self.line(&format!("{name}, {:.0} %", 100.0 * done));
+        }
+    }
+
+    fn line(&self, text: &str) {
+        self.last.set(Instant::now());
+        terminal::stage(self.since.elapsed().as_secs_f64(), text);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::args::SceneArgs;
 use super::picture;
-use super::progress::Bar;
+use super::progress::Shown;
 use super::{Outcome, memory, options, terminal};
 use clap::Args as ClapArgs;
 use std::path::{Path, PathBuf};
@@ -180,8 +180,8 @@ fn measure(
     scenes: &[ReportScene],
     settings: Settings,
 ) -> Result<Report, LightError> {
-    let bar = Bar::new(args.quiet);
-    let mut tell = |what: &str| bar.tell(what);
+    let shown = Shown::new(args.quiet, false);
+    let mut tell = |what: &str| shown.tell(what);
     let mut errors = args.errors.clone();
     errors.sort_unstable_by(|a, b| b.total_cmp(a));
     errors.dedup();
@@ -204,7 +204,7 @@ fn measure(
         report.growth = growth(&mut tell)?;
         report.stability = stability(&mut tell)?;
     }
-    bar.finish();
+    shown.finish();
     Ok(report)
 }
 

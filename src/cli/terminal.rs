@@ -37,6 +37,11 @@ pub(super) fn warnings(all: &[String], is_verbose: bool) {
     }
 }
 
+/// A stage of the work that begins after so many `seconds`.
+pub(super) fn stage(seconds: f64, name: &str) {
+    line(&format!("{seconds:8.1} s"), name);
+}
+
 /// Nobody is left to tell when standard error is closed.
 fn line(kind: &str, what: &str) {
     let _ = writeln!(io::stderr(), "{kind}: {what}");

@@ -12,7 +12,7 @@
 //!        viewpoint         x
 //! ```
 
-use super::cone::{ConeSide, Piece, SIDE_ROUNDOFF, clip};
+use super::cone::{ConeSide, Piece, RoundCone, SIDE_ROUNDOFF, clip};
 use super::{Blockers, Cone, Cones, Region, Target, Viewpoint};
 use glam::DVec3;
 
@@ -33,11 +33,19 @@ struct Corner {
     length: f64,
 }
 
+/// Where the corners of a piece are, and a cone around them.
+#[derive(Clone, Copy)]
+struct PieceRange {
+    from: u32,
+    to: u32,
+    hull: RoundCone,
+}
+
 /// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
 #[derive(Default)]
 pub(super) struct Pieces {
     corners: Vec<Corner>,
-    ranges: Vec<(u32, u32)>,
+    ranges: Vec<PieceRange>,
     /// What is left of the piece that is being cut, its heights above the plane that cuts it, and what remains then.
     rest: Vec<Corner>,
     heights: Vec<f64>,
@@ -124,11 +132,21 @@ impl Pieces {
         self.corners.clear();
         self.corners.extend(piece.iter().map(|&d| Corner::new(d)));
         self.ranges.clear();
-        self.ranges.push((0, piece.len() as u32));
+        self.push(0);
     }
 
-    fn piece(&self, (from, to): (u32, u32)) -> &[Corner] {
-        &self.corners[from as usize..to as usize]
+    /// The corners from number `first` on are a new piece.
+    fn push(&mut self, first: usize) {
+        let corners = self.corners[first..].iter();
+        self.ranges.push(PieceRange {
+            from: first as u32,
+            to: self.corners.len() as u32,
+            hull: RoundCone::new(corners.map(|c| (c.direction, c.length))),
+        });
+    }
+
+    fn piece(&self, range: PieceRange) -> &[Corner] {
+        &self.corners[range.from as usize..range.to as usize]
     }
 
     /// One of the pieces, if any is left.
@@ -143,7 +161,10 @@ impl Pieces {
         let mut kept = 0;
         for i in 0..count {
             let range = self.ranges[i];
-            if is_apart(self.piece(range), cone) || !self.cut(range, cone) {
+            if range.hull.is_apart(cone.hull)
+                || is_apart(self.piece(range), cone)
+                || !self.cut(range, cone)
+            {
                 self.ranges[kept] = range;
                 kept += 1;
             }
@@ -153,11 +174,11 @@ impl Pieces {
 
     /// Adds what `cone` leaves of a piece, and returns true; or adds nothing when the cone hides none of it, so that it may
     /// stay whole rather than in splinters.
-    fn cut(&mut self, range: (u32, u32), cone: &Cone) -> bool {
+    fn cut(&mut self, range: PieceRange, cone: &Cone) -> bool {
         let before = (self.ranges.len(), self.corners.len());
         self.rest.clear();
         self.rest
-            .extend_from_slice(&self.corners[range.0 as usize..range.1 as usize]);
+            .extend_from_slice(&self.corners[range.from as usize..range.to as usize]);
         // What falls outside one side after the other stays; what is inside all of them is hidden.
         for side in cone.sides {
             let (is_above, is_below) = self.measure(side);
@@ -209,7 +230,7 @@ impl Pieces {
                 self.corners.push(cut);
             }
         }
-        self.ranges.push((first as u32, self.corners.len() as u32));
+        self.push(first);
         std::mem::swap(&mut self.rest, &mut self.inside);
     }
 }

@@ -10,6 +10,10 @@ use smallvec::SmallVec;
 /// three in the dot product.
 pub(super) const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
 
+/// Rounding error of what is compared to tell whether round cones are apart, for directions of unit length: six roundings in
+/// the axes and their product, and ten in the sines and cosines.
+const ROUND_ROUNDOFF: f64 = 16.0 * f64::EPSILON;
+
 /// A convex polygon in space or as directions from the viewpoint, metres.
 pub(super) type Piece = SmallVec<[DVec3; 8]>;
 
@@ -67,6 +71,26 @@ pub(super) struct ConeItem {
     pub(super) width: f64,
     /// The screen that it belongs to.
     screen: u32,
+    hull: RoundCone,
+}
+
+/// A round cone around a polygon of directions: to tell quickly that two of them are apart.
+#[derive(Clone, Copy)]
+pub(super) struct RoundCone {
+    axis: DVec3,
+    /// Of the angle between its axis and its surface.
+    cos: f64,
+    sin: f64,
+}
+
+/// A ball as it is seen from the viewpoint.
+pub struct Ball {
+    centre: DVec3,
+    radius: f64,
+    /// Length of a tangent from the viewpoint, metres.
+    tangent: f64,
+    /// Rounding error of the comparison with a cone, metres.
+    slack: f64,
 }
 
 /// A blocker's cone: the directions `d` with `side · d > 0` for all `sides`.
@@ -74,6 +98,7 @@ pub(super) struct ConeItem {
 pub struct Cone<'c> {
     pub(super) rim: &'c [DVec3],
     pub(super) sides: &'c [ConeSide],
+    pub(super) hull: &'c RoundCone,
 }
 
 #[derive(Clone, Copy)]
@@ -96,12 +121,20 @@ impl Cones {
 
     /// Cone number `i`.
     pub fn get(&self, i: usize) -> Cone<'_> {
-        let item = self.items[i];
+        let item = &self.items[i];
         let range = item.first as usize..(item.first + item.count) as usize;
         Cone {
             rim: &self.rims[range.clone()],
             sides: &self.sides[range],
+            hull: &item.hull,
         }
+    }
+
+    /// True when cone number `i` surely has nothing in common with the directions to `ball`: quickly told.
+    pub fn is_clear_of(&self, i: usize, ball: &Ball) -> bool {
+        let hull = &self.items[i].hull;
+        // The angle between the axis and the way to the centre exceeds that of the cone and that of the ball.
+        hull.axis.dot(ball.centre) < hull.cos * ball.tangent - hull.sin * ball.radius - ball.slack
     }
 
     /// All cones, the widest first.
@@ -150,20 +183,21 @@ impl Cones {
         self.rims.extend(rim);
         let rim = &self.rims[first..];
         let &last = rim.last()?;
-        let (mut width, mut a, mut a_squared) = (0.0, last, last.length_squared());
+        let (mut width, mut a, mut a_length) = (0.0, last, last.length());
         for &b in rim {
             // Seen from the front the corners turn counter-clockwise, and b × a points inwards.
             let normal = b.cross(a) * facing;
-            let b_squared = b.length_squared();
-            let product = a_squared * b_squared;
-            width += normal.length_squared() / product;
+            let b_length = b.length();
+            let product = a_length * b_length;
+            width += normal.length_squared() / (product * product);
             self.sides.push(ConeSide {
                 normal,
-                slack: SIDE_ROUNDOFF * product.sqrt(),
+                slack: SIDE_ROUNDOFF * product,
             });
-            (a, a_squared) = (b, b_squared);
+            (a, a_length) = (b, b_length);
         }
         Some(ConeItem {
+            hull: RoundCone::new(rim.iter().map(|r| (*r, r.length()))),
             first: first as u32,
             count: (self.rims.len() - first) as u32,
             width,
@@ -192,6 +226,58 @@ impl Cones {
             true
         });
         hider
+    }
+}
+
+impl RoundCone {
+    /// Around the given directions, each with its length.
+    pub(super) fn new(rim: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
+        let sum: DVec3 = rim.clone().map(|(r, length)| r / length).sum();
+        let axis = sum.normalize_or_zero();
+        let (mut cos, mut sin) = (1.0_f64, 0.0_f64);
+        for (r, length) in rim {
+            cos = cos.min(axis.dot(r) / length);
+            sin = sin.max(axis.cross(r).length() / length);
+        }
+        if cos > 0.0 {
+            return Self { axis, cos, sin };
+        }
+        // Wider than a half-space: no comparison with it holds, so that it is apart from nothing.
+        Self {
+            axis,
+            cos: f64::NAN,
+            sin: f64::NAN,
+        }
+    }
+
+    /// True when the two surely share nothing.
+    pub(super) fn is_apart(&self, other: &Self) -> bool {
+        // The angle between the axes exceeds the sum of those of the cones.
+        let least = self.cos * other.cos - self.sin * other.sin;
+        self.axis.dot(other.axis) < least - ROUND_ROUNDOFF
+    }
+}
+
+impl Ball {
+    /// The ball of the given `radius` (metres) about `centre` (from the viewpoint, metres).
+    pub fn new(centre: DVec3, radius: f64) -> Self {
+        let squared = centre.length_squared();
+        let beyond = squared - radius * radius;
+        if beyond > 0.0 {
+            return Self {
+                centre,
+                radius,
+                tangent: beyond.sqrt(),
+                slack: ROUND_ROUNDOFF * squared.sqrt(),
+            };
+        }
+        // The viewpoint is in it, and sees it everywhere.
+        Self {
+            centre,
+            radius: f64::INFINITY,
+            tangent: 0.0,
+            slack: 0.0,
+        }
     }
 }
 
@@ -264,4 +350,54 @@ pub(super) fn clip(points: &[DVec3], distance: impl Fn(&DVec3) -> f64) -> Piece 
 /// Rounding error of `(b × a) · d` for a direction `d` of unit length.
 fn side_slack(a: DVec3, b: DVec3) -> f64 {
     SIDE_ROUNDOFF * (a.length_squared() * b.length_squared()).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+
+    /// A triangle of directions about `axis`, up to `width` times as wide as it is far.
+    fn triangle(random: &mut Random, axis: DVec3, width: f64) -> [DVec3; 3] {
+        [0, 1, 2].map(|_| axis + random.point(width))
+    }
+
+    fn hull(t: &[DVec3; 3]) -> RoundCone {
+        RoundCone::new(t.iter().map(|d| (*d, d.length())))
+    }
+
+    #[test]
+    fn round_cones_that_share_a_direction_are_not_apart() {
+        let mut random = Random(7);
+        let (mut apart, mut wide) = (0, 0);
+        for i in 0..20_000 {
+            // From needles to more than half of all directions.
+            let width = [1e-6, 1e-2, 0.5, 3.0][i % 4];
+            let other = [1e-6, 1e-2, 0.5, 3.0][i / 4 % 4];
+            let axis = random.point(1.0).normalize();
+            let a = triangle(&mut random, axis, width);
+            let mut b = triangle(&mut random, axis, other);
+            let own = hull(&a);
+            wide += usize::from(own.cos.is_nan());
+            if own.is_apart(&hull(&b)) {
+                apart += 1;
+                continue;
+            }
+            // A corner in common, and a point of the side of one: then they are not, however they lie otherwise.
+            b[0] = 2.0 * a[0];
+            assert!(!own.is_apart(&hull(&b)), "{a:?} {b:?}");
+            b[0] = 0.3 * a[0] + 0.7 * a[1];
+            assert!(!own.is_apart(&hull(&b)), "{a:?} {b:?}");
+            // A ball that a corner's direction meets is not clear of the cone.
+            let mut cones = Cones::default();
+            let item = cones.cone(a.into_iter(), 1.0, 0).expect("a triangle");
+            cones.items.push(item);
+            let centre = 2.0 * a[2] + random.point(width);
+            let across = (centre - centre.project_onto(a[2])).length();
+            if centre.dot(a[2]) > 0.0 {
+                assert!(!cones.is_clear_of(0, &Ball::new(centre, across)), "{a:?}");
+            }
+        }
+        assert!(apart > 100 && wide > 100, "{apart} apart, {wide} wide");
+    }
 }

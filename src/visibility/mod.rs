@@ -17,7 +17,7 @@ mod view;
 pub use backprojection::Scratch;
 pub use blockers::{Blockers, Part};
 pub use box_tree::BoxTree;
-pub use cone::{Cone, Cones, Relation};
+pub use cone::{Ball, Cone, Cones, Relation};
 pub use ray::{Hit, RayCaster};
 pub use region::Region;
 pub use view::{Target, Viewpoint};

@@ -6,12 +6,12 @@ use crate::direct::DirectLight;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Blockers, Part, Region, Scratch, Viewpoint};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// All contact lines.
 pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
-    let mut out = Vec::new();
     let blockers = light.blockers;
-    for_near_pairs(blockers, |receiver, other| {
+    from_near_pairs(blockers, |receiver, other, scratch, out| {
         for (ends, sides) in contacts(scene, light, receiver, other) {
             let Some(ends) = clip_to_part(blockers, receiver, ends) else {
                 continue;
@@ -29,19 +29,17 @@ pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
                         kind: EventKind::Contact,
                         emitter: None,
                         cause: Cause::Face(other.face),
-                        jump: light.unoccluded(&view, &mut Scratch::default()).mean(),
+                        jump: light.unoccluded(&view, scratch).mean(),
                     });
                 }
             }
         }
-    });
-    out
+    })
 }
 
 /// Pairs (covered face, face seen instead of it) among coplanar overlapping faces.
 pub(super) fn covers(scene: &Scene, blockers: &Blockers) -> Vec<(FaceId, FaceId)> {
-    let mut out = Vec::new();
-    for_near_pairs(blockers, |receiver, other| {
+    let mut out = from_near_pairs(blockers, |receiver, other, _, out| {
         if lies_in_plane(blockers, other, receiver) && covers_face(scene, other.face, receiver.face)
         {
             out.push((receiver.face, other.face));
@@ -66,31 +64,38 @@ fn covers_face(scene: &Scene, upper: FaceId, lower: FaceId) -> bool {
     }
 }
 
-/// Calls `visit` with every ordered pair of parts of different faces whose boxes touch within the weld distance.
-fn for_near_pairs(blockers: &Blockers, mut visit: impl FnMut(&Part, &Part)) {
+/// What `visit(receiver, other, scratch, out)` appends for every ordered pair of parts of different faces whose boxes touch
+/// within the weld distance, in the order of the parts.
+fn from_near_pairs<T: Send>(
+    blockers: &Blockers,
+    visit: impl Fn(&Part, &Part, &mut Scratch, &mut Vec<T>) + Sync,
+) -> Vec<T> {
     let pad = DVec3::splat(blockers.weld_distance());
-    let mut near = Vec::new();
-    for receiver in blockers.parts() {
+    let of_receiver = |scratch: &mut Scratch, receiver: &Part| {
         let corners = blockers.corners(receiver);
         let bounds = corners
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &c| {
                 (lo.min(c - pad), hi.max(c + pad))
             });
-        near.clear();
         let region = Region {
             planes: [].into_iter().collect(),
             bounds,
         };
+        let (mut near, mut out) = (Vec::new(), Vec::new());
         blockers.query(&region, |i| near.push(i));
         near.sort_unstable();
-        for &i in &near {
+        for i in near {
             let other = blockers.part(i);
             if other.face != receiver.face {
-                visit(receiver, other);
+                visit(receiver, other, scratch, &mut out);
             }
         }
-    }
+        out
+    };
+    let parts = blockers.parts().par_iter();
+    let found: Vec<Vec<T>> = parts.map_init(Scratch::default, of_receiver).collect();
+    found.into_iter().flatten().collect()
 }
 
 fn lies_in_plane(blockers: &Blockers, part: &Part, of: &Part) -> bool {

@@ -1,7 +1,8 @@
 //! Light from many emitters at a point, each only as finely as it matters there.
 //!
 //! What an emitter would give if nothing hid it bounds what it gives. The weakest, as many as together stay below what the
-//! result may be off by, are seen or not as one ray to their middle tells; the others are cut exactly.
+//! result may be off by, are seen or not as one ray to their middle tells; the others are cut exactly. The mistakes of rays
+//! to many emitters add like random steps: the triangles of a bulb are as many samples of it.
 
 use super::DirectLight;
 use super::emitters::{EmitterPolygon, unoccluded_factor, visible_factor};
@@ -27,7 +28,7 @@ struct Prospect<'e> {
 }
 
 impl DirectLight<'_> {
-    /// Irradiance at `view` straight from all emitters, W/m², where they are many off by no more than `tolerance` (W/m², mean
+    /// Irradiance at `view` straight from all emitters, W/m², where they are many off by about `tolerance` (rms, W/m², mean
     /// of the channels). Few are cut exactly, as by [`DirectLight::irradiance`].
     pub fn irradiance_within(
         &self,
@@ -95,15 +96,15 @@ impl DirectLight<'_> {
     }
 }
 
-/// The strongest of those that are weak: it and all that give no more, together give no more than `tolerance`. Zero when
-/// none is.
+/// The strongest of those that are weak: the squares of it and of all that give no more have no larger sum than that of
+/// `tolerance`. Zero when none is.
 fn weakest(lights: impl Iterator<Item = f64>, tolerance: f64) -> f64 {
     let mut lights: SmallVec<[f64; USUAL]> = lights.collect();
     lights.sort_unstable_by(f64::total_cmp);
     let (mut sum, mut weak) = (0.0, 0.0);
     for equals in lights.chunk_by(|a, b| a == b) {
-        sum += equals.iter().sum::<f64>();
-        if sum > tolerance {
+        sum += equals.iter().map(|l| l * l).sum::<f64>();
+        if sum > tolerance * tolerance {
             break;
         }
         weak = equals[0];
@@ -118,12 +119,12 @@ mod tests {
     #[test]
     fn the_weak_stay_below_the_tolerance_together_and_equals_are_treated_alike() {
         let lights = [4.0, 0.5, 1.0, 2.0, 1.0];
-        let weak = |tolerance| weakest(lights.into_iter(), tolerance);
-        assert_eq!(weak(0.4), 0.0);
-        assert_eq!(weak(0.5), 0.5);
+        let weak = |squared: f64| weakest(lights.into_iter(), squared.sqrt());
+        assert_eq!(weak(0.2), 0.0);
+        assert_eq!(weak(0.25), 0.5);
         // One of the equals would still fit.
         assert_eq!(weak(2.0), 0.5);
-        assert_eq!(weak(2.5), 1.0);
+        assert_eq!(weak(2.25), 1.0);
         assert_eq!(weak(100.0), 4.0);
         assert_eq!(weakest(std::iter::empty(), 1.0), 0.0);
     }

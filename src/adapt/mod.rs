@@ -75,6 +75,12 @@ const THINNINGS: usize = 3;
 /// worth 4/N of it.
 const THIN_SHARE: f64 = 0.5;
 
+/// A face with less than this share of the lit area is minor: where the middle of an element agrees, so do its edges.
+///
+/// Real scenes have tens of thousands of them, and what one of them may hide from its corners and its middle is nothing to the
+/// whole.
+const MINOR_SHARE: f64 = 1e-4;
+
 /// Dividing an element adds a point, and so two elements; a line adds more.
 const ELEMENTS_A_MARK: usize = 2;
 
@@ -145,7 +151,7 @@ impl Errors {
         let target = error * (power / area + mean_besides);
         receivers
             .par_iter_mut()
-            .for_each(|r| r.update_errors(light, target, is_fitted));
+            .for_each(|r| r.update_errors(light, target, MINOR_SHARE * area, is_fitted));
         let mut squares: Vec<f64> = receivers.iter().flat_map(Receiver::open_errors).collect();
         squares.sort_unstable_by(f64::total_cmp);
         let settled: f64 = receivers.iter().map(Receiver::settled_error).sum();

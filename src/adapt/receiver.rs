@@ -188,13 +188,21 @@ impl Receiver {
         Ok(())
     }
 
-    /// Measures the interpolation errors of elements that are new, and with `is_fitted` fits the values to the light.
-    pub(super) fn update_errors(&mut self, light: &Illumination, target: f64, is_fitted: bool) {
+    /// Measures the interpolation errors of elements that are new – of a face up to the area `minor` (m²) only briefly – and
+    /// with `is_fitted` fits the values to the light.
+    pub(super) fn update_errors(
+        &mut self,
+        light: &Illumination,
+        target: f64,
+        minor: f64,
+        is_fitted: bool,
+    ) {
         if !self.is_lit || !self.errors.is_empty() {
             return;
         }
         let mesh = std::mem::take(&mut self.mesh);
-        self.errors = self.measure_all(light, &mesh, target);
+        let is_minor = self.area() <= minor;
+        self.errors = self.measure_all(light, &mesh, target, is_minor);
         let mut added = [0, 1].map(|i| vec![Irradiance::ZERO; self.exact[i].len()]);
         if is_fitted {
             let of =

@@ -13,6 +13,9 @@ use std::hash::{BuildHasherDefault, Hasher};
 /// Share of the element for which the worst value on a crossing line speaks: a feature that the fixed points miss.
 const LINE_WEIGHT: f64 = 0.25;
 
+/// Light agrees with its interpolation when it is off by this share of the error asked for.
+const AGREEMENT: f64 = 0.25;
+
 /// So many of the strongest lines that cross an element are looked at for that.
 const LINES_MEASURED: usize = 1;
 
@@ -188,15 +191,22 @@ impl Receiver {
         e: usize,
         k: usize,
     ) -> [Irradiance; 2] {
-        let j = (k + 1) % 3;
+        let ends = [k, (k + 1) % 3].map(|c| mesh.vertices[mesh.elements[e][c] as usize]);
+        let [a, b] = ends;
+        let key = match mesh.is_barrier(e, k) {
+            true => [a.x, a.y, b.x, b.y],
+            false => point(a, b),
+        };
+        self.remembered(light, key, self.middle(mesh, e, k))
+    }
+
+    /// The middle of edge `k` of element `e`; of one across which values may differ, just inside the element.
+    fn middle(&self, mesh: &ReceiverMesh, e: usize, k: usize) -> DVec2 {
         let p = mesh.corners(e);
-        let [a, b] = [k, j].map(|c| mesh.vertices[mesh.elements[e][c] as usize]);
-        let middle = p[k].midpoint(p[j]);
-        if mesh.is_barrier(e, k) {
-            let inside = mesh.inset(e, middle, self.weld_distance);
-            self.remembered(light, [a.x, a.y, b.x, b.y], inside)
-        } else {
-            self.remembered(light, point(a, b), middle)
+        let middle = p[k].midpoint(p[(k + 1) % 3]);
+        match mesh.is_barrier(e, k) {
+            true => mesh.inset(e, middle, self.weld_distance),
+            false => middle,
         }
     }
 
@@ -242,12 +252,13 @@ impl Receiver {
         })
     }
 
-    /// Errors of the elements of `mesh`, from earlier or new; `target` as for [`Receiver::measure`].
+    /// Errors of the elements of `mesh`, from earlier or new; `target` and `is_minor` as for [`Receiver::measure`].
     pub(super) fn measure_all(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         target: f64,
+        is_minor: bool,
     ) -> Vec<ElementError> {
         let mut known = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
         let errors = (0..mesh.elements.len())
@@ -255,7 +266,7 @@ impl Receiver {
                 let key = mesh.elements[e].map(|v| mesh.vertices[v as usize]);
                 let error = match self.samples.elements.get(&key) {
                     Some(&error) => error,
-                    None => self.measure(light, mesh, e, target),
+                    None => self.measure(light, mesh, e, target, is_minor),
                 };
                 known.insert(key, error);
                 error
@@ -265,29 +276,38 @@ impl Receiver {
         errors
     }
 
-    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at.
+    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at. Where `is_minor` and the direct light
+    /// at the centre agrees, it is taken to be as smooth at the edges.
     fn measure(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         e: usize,
         target: f64,
+        is_minor: bool,
     ) -> ElementError {
-        let (mut direct, mut indirect) = ([Irradiance::ZERO; 3], [Irradiance::ZERO; 3]);
-        for k in 0..3 {
-            let exact = self.at_middle(light, mesh, e, k);
-            let mut weights = [0.5; 3];
-            weights[(k + 2) % 3] = 0.0;
-            let between = self.interpolate(mesh, e, weights);
-            direct[k] = exact[0] - between[0];
-            indirect[k] = exact[1] - between[1];
-        }
         let middle = mesh.centre(e);
         let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
         let centre = [
             self.exact_direct(light, middle) - between[0],
             self.indirect_at(light, middle) - between[1],
         ];
+        let agrees = centre[0].0.mean_square() <= (AGREEMENT * target).powi(2);
+        let (mut direct, mut indirect) = ([Irradiance::ZERO; 3], [Irradiance::ZERO; 3]);
+        for k in 0..3 {
+            let mut weights = [0.5; 3];
+            weights[(k + 2) % 3] = 0.0;
+            let between = self.interpolate(mesh, e, weights);
+            if is_minor && agrees {
+                // What equal quadratics along the edges add up to at the centre: 4/9 of each.
+                direct[k] = centre[0] * 0.75;
+                indirect[k] = self.indirect_at(light, self.middle(mesh, e, k)) - between[1];
+                continue;
+            }
+            let exact = self.at_middle(light, mesh, e, k);
+            direct[k] = exact[0] - between[0];
+            indirect[k] = exact[1] - between[1];
+        }
         let p = mesh.corners(e);
         let mut line = 0.0_f64;
         for (_, stretch) in self.open_lines_in(p, target, LINES_MEASURED) {

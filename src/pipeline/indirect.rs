@@ -23,6 +23,9 @@ const GUESS_ERROR: f64 = 0.05;
 /// Rays from each of its nodes: the mean over all of them is then right to a few per cent.
 const GUESS_RAYS: u32 = 64;
 
+/// Of more sites than this none need be right but in the mean: a ray to each emitter is enough.
+const MANY_SITES: usize = 4096;
+
 /// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more. The field between its nodes is
 /// quadratic, and refined and corrected where that is not enough.
 const SOLVE_ELEMENTS: f64 = 150.0;
@@ -110,12 +113,21 @@ impl Rooms<'_> {
     /// Mean irradiance over the lit sides, roughly.
     pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<Guess, MeshError> {
         let mesh = SolveMesh::new(self.domains(), self.spacing(GUESS_ELEMENTS))?;
+        let sites: usize = mesh.faces.iter().map(|f| f.mesh.site_vertices.len()).sum();
+        let is_crowded = sites > MANY_SITES;
         let at_sites: Vec<Vec<Irradiance>> = mesh
             .faces
             .par_iter()
             .map_init(Scratch::default, |scratch, face| {
                 (0..face.mesh.site_vertices.len())
-                    .map(|s| direct.irradiance(&face.site_view(s), scratch))
+                    .map(|s| {
+                        let view = face.site_view(s);
+                        if is_crowded {
+                            direct.by_rays(&view, scratch)
+                        } else {
+                            direct.irradiance(&view, scratch)
+                        }
+                    })
                     .collect()
             })
             .collect();

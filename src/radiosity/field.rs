@@ -13,6 +13,7 @@ mod estimate;
 pub use estimate::SolutionError;
 
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
+use super::clusters::Sources;
 use super::field_face::FieldFace;
 use super::gather::Oracle;
 use super::nodes::NodalField;
@@ -41,6 +42,11 @@ const RAY_SHARE: f64 = 0.2;
 
 /// A correction is small: its gathers may be so much less accurate.
 const CORRECTION_ACCURACY: f64 = 4.0;
+
+/// Where sides are many, a face with less than this share of their area may be gathered for with so many times the error: the
+/// mistakes of rays fall differently on each of thousands of them.
+const MINOR_SHARE: f64 = 1e-4;
+const MINOR_ACCURACY: f64 = 8.0;
 
 /// What a gather that others are judged by is asked for beyond that.
 const REFERENCE_SHARE: f64 = 0.25;
@@ -111,10 +117,12 @@ pub struct IndirectField<'a> {
 struct Coarse<'a> {
     mesh: SolveMesh,
     trees: Vec<FaceCells>,
-    light: Vec<FaceLight>,
+    light: Sources,
     blockers: &'a Blockers,
     /// Permitted error of one gather, W/m², less the amplification by further bounces.
     error: f64,
+    /// Faces up to this area (m²) may be off by more.
+    minor: f64,
 }
 
 fn is_crowded(mesh: &SolveMesh) -> bool {
@@ -128,6 +136,15 @@ fn ray_share(mesh: &SolveMesh) -> f64 {
 impl Coarse<'_> {
     fn gatherer(&self) -> Gatherer<'_> {
         Gatherer::new(&self.mesh, &self.trees, self.blockers)
+    }
+
+    /// Permitted error of a gather on `face`, W/m².
+    fn accuracy(&self, face: &SolveFace) -> f64 {
+        if face.area <= self.minor {
+            MINOR_ACCURACY * self.error
+        } else {
+            self.error
+        }
     }
 
     /// The field as it starts when the nodes of the solution are whole elements: gathered at points.
@@ -152,20 +169,19 @@ impl Coarse<'_> {
         &self,
         gatherer: &mut Gatherer,
         view: &Viewpoint,
-        light: &[FaceLight],
+        light: &Sources,
         accuracy: f64,
         skip: f64,
     ) -> Irradiance {
         let oracle = Oracle {
-            light,
-            ambient: 0.0,
+            sources: light,
             link: LINK_SHARE * accuracy,
             ray: ray_share(&self.mesh) * accuracy,
             skip,
         };
         let mut sum = Irradiance::ZERO;
         gatherer.visit(view, &oracle, &mut |f, c, weights| {
-            let corners = &light[f].cells[c].corners;
+            let corners = &light.faces[f].cells[c].corners;
             for (b, w) in corners.iter().zip(weights) {
                 sum += Irradiance(b.0 * w);
             }
@@ -229,39 +245,36 @@ impl<'a> IndirectField<'a> {
             .map(|f| FaceCells::new(f, mesh.spacing, request.basis))
             .collect();
         let limits = follow_limits(&mesh, request.error);
-        let mut light = follow_all(&mut trees, &mesh.faces, limits, |f, p| {
+        let light = follow_all(&mut trees, &mesh.faces, limits, |f, p| {
             let face = &mesh.faces[f];
             Radiosity(face.reflectance_at(p) * direct(face, f, p).0)
         });
-        let mut oracle = Oracle {
-            light: &light,
-            ambient: AMBIENT_SHARE * request.ambient,
-            link: LINK_SHARE * error,
-            ray: ray_share(&mesh) * error,
+        // Whatever may come on top of the light, no cell that has children is good enough for leaves.
+        let (accuracy, ambient) = match request.linking {
+            Linking::Hierarchical => (error, AMBIENT_SHARE * request.ambient),
+            Linking::Leaves => (0.0, 1.0),
+        };
+        let mut sources = Sources::new(&mesh, light, ambient);
+        let oracle = Oracle {
+            sources: &sources,
+            link: LINK_SHARE * accuracy,
+            ray: ray_share(&mesh) * accuracy,
             skip: 0.0,
         };
-        if request.linking == Linking::Leaves {
-            // Whatever may come on top of the light, no cell that has children is good enough.
-            oracle = Oracle {
-                ambient: 1.0,
-                link: 0.0,
-                ray: 0.0,
-                ..oracle
-            };
-        }
-        let is_crowded = is_crowded(&mesh);
+        let (is_crowded, area) = (is_crowded(&mesh), mesh.area());
         let transport = Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
             let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
             let points = if face.is_small { SPREAD_POINTS } else { 1 };
             request.rays.map(|n| n / points).or(small)
         });
-        let (values, report) = transport.solve(&mesh, &mut light, request.method())?;
+        let (values, report) = transport.solve(&mesh, &mut sources.faces, request.method())?;
         let solution = Coarse {
+            light: Sources::new(&mesh, sources.faces, 0.0),
             mesh,
             trees,
-            light,
             blockers,
             error,
+            minor: if is_crowded { MINOR_SHARE * area } else { 0.0 },
         };
         let faces = match request.basis {
             Basis::Linear => started(&solution.mesh, &transport.field(&values)),
@@ -318,8 +331,9 @@ impl<'a> IndirectField<'a> {
                 .map_init(
                     || solution.gatherer(),
                     |gatherer, (field, face)| {
+                        let accuracy = solution.accuracy(face);
                         field.buy(face, limit, solution.blockers.weld_distance(), |view| {
-                            solution.gather(gatherer, view, &solution.light, solution.error, 0.0)
+                            solution.gather(gatherer, view, &solution.light, accuracy, 0.0)
                         })
                     },
                 )
@@ -345,10 +359,10 @@ impl<'a> IndirectField<'a> {
         }
         let solution = &mut self.solution;
         let mesh = &solution.mesh;
-        let (new, residual) = residual(
+        let (mut new, residual) = residual(
             mesh,
             &mut solution.trees,
-            &solution.light,
+            &solution.light.faces,
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
@@ -361,11 +375,8 @@ impl<'a> IndirectField<'a> {
             .expect("the same links have been solved before");
         let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
         let (all, further) = (self.transport.field(&all), self.transport.field(&further));
-        solution.light = new;
         let trees = &solution.trees;
-        solution
-            .light
-            .par_iter_mut()
+        new.par_iter_mut()
             .zip(&mesh.faces)
             .enumerate()
             .for_each(|(f, (light, face))| {
@@ -373,9 +384,10 @@ impl<'a> IndirectField<'a> {
                     Radiosity(face.reflectance * all.at(face, f, p).0)
                 });
             });
+        solution.light = Sources::new(mesh, new, 0.0);
+        let residual = Sources::new(mesh, residual, 0.0);
         let solution = &self.solution;
         let skip = SKIP_SHARE * solution.error;
-        let accuracy = CORRECTION_ACCURACY * solution.error;
         let squares: Vec<f64> = self
             .faces
             .par_iter_mut()
@@ -385,6 +397,7 @@ impl<'a> IndirectField<'a> {
             .map_init(
                 || solution.gatherer(),
                 |gatherer, (f, (field, face))| {
+                    let accuracy = CORRECTION_ACCURACY * solution.accuracy(face);
                     field.add(
                         face,
                         solution.blockers.weld_distance(),

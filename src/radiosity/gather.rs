@@ -6,12 +6,15 @@
 //! its visible part what exact cutting leaves of it. Faces too faint to be worth that are judged by rays.
 
 use super::cells::{CellLight, FaceCells, FaceLight};
+use super::clusters::{Limits, Source, Sources};
 use super::kernel::{Basis, Corner, cell_corners, split};
 use super::reach::direction;
 use super::{SolveFace, SolveMesh};
 use crate::direct::form_factor_of_directions;
 use crate::scene::{FaceId, FaceSide};
-use crate::visibility::{Blockers, Cone, Cones, Relation, Scratch, Target, Viewpoint};
+use crate::visibility::{
+    Ball, Blockers, Cone, Cones, Region, Relation, Scratch, Target, Viewpoint,
+};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::f64::consts::PI;
@@ -37,10 +40,8 @@ const FAR_IN_RADII: f64 = 4.0;
 /// How good a gather has to be; every limit is irradiance, W/m².
 #[derive(Clone, Copy)]
 pub(super) struct Oracle<'l> {
-    /// The light of all cells, by face.
-    pub(super) light: &'l [FaceLight],
-    /// What may come on top of it: RMS distance from a linear function and range over a whole face, before reflection.
-    pub(super) ambient: f64,
+    /// The light of all cells.
+    pub(super) sources: &'l Sources,
     /// A cell is taken as it is when what is not linear about it sends less than this.
     pub(super) link: f64,
     /// A bit of surface that sends less than this may be judged by one ray.
@@ -61,7 +62,7 @@ impl Oracle<'_> {
         Strength {
             deviation: light.deviation + ambient,
             range: light.range() + ambient,
-            largest: self.light[face].largest + ambient,
+            largest: self.sources.faces[face].largest + ambient,
         }
     }
 }
@@ -80,9 +81,20 @@ pub struct Gatherer<'a> {
     touching: Vec<u32>,
 }
 
+/// What stands between a viewpoint and a face.
+enum Outlook {
+    /// One thing that hides all of it.
+    Hidden,
+    /// Things whose cones have been found.
+    Cones,
+    /// More than there are rays to be cast.
+    Crowd,
+}
+
 /// A cell as seen from the viewpoint.
 struct Seen {
     corners: [DVec3; 3],
+    ball: Ball,
     is_above: bool,
     /// A bound of its form factor.
     form_factor: f64,
@@ -112,34 +124,75 @@ impl<'a> Gatherer<'a> {
         oracle: &Oracle,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let mesh = self.mesh;
-        for (f, face) in mesh.faces.iter().enumerate() {
-            if face.reflectance.is_black() {
-                continue;
+        let limits = Limits {
+            skip: oracle.skip,
+            ray: oracle.ray,
+        };
+        let clusters = &self.mesh.clusters;
+        clusters.visit(view, oracle.sources, limits, |what| match what {
+            Source::Side(f) => self.side(view, oracle, f, sink),
+            Source::Delegate { side, times } => self.by_one_ray(view, side, times, sink),
+        });
+    }
+
+    /// What `view` sees of side `f`.
+    fn side(
+        &mut self,
+        view: &Viewpoint,
+        oracle: &Oracle,
+        f: usize,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        let face = &self.mesh.faces[f];
+        let ambient = oracle.sources.ambient * face.reflectance.0.max_element();
+        let largest = oracle.sources.faces[f].largest + ambient;
+        let most = face.largest_form_factor(view, self.blockers.roundoff());
+        if most <= 0.0 || most * largest <= oracle.skip {
+            return;
+        }
+        let walk = Walk {
+            view,
+            oracle,
+            f,
+            face,
+            tree: &self.trees[f],
+            ambient,
+        };
+        // So many are enough, if each may be wrong about as much as is permitted.
+        let rays = most * largest / oracle.ray;
+        if rays <= 1.0 && face.is_far(view, FAR_IN_RADII) {
+            self.by_one_ray(view, f, 1.0, sink);
+            return;
+        }
+        let outlook = if rays <= FEW_RAYS {
+            Outlook::Crowd
+        } else {
+            self.look_at(view, f, rays)
+        };
+        let roots = 0..walk.tree.roots as usize;
+        match outlook {
+            Outlook::Hidden => {}
+            Outlook::Crowd => roots.for_each(|root| self.cell_by_rays(&walk, root, sink)),
+            Outlook::Cones => {
+                let all = self.touch_all();
+                roots.for_each(|root| self.descend(&walk, root, all.clone(), sink));
             }
-            let ambient = oracle.ambient * face.reflectance.0.max_element();
-            let largest = oracle.light[f].largest + ambient;
-            let most = face.largest_form_factor(view, self.blockers.roundoff());
-            if most <= 0.0 || most * largest <= oracle.skip {
-                continue;
-            }
-            let walk = Walk {
-                view,
-                oracle,
-                f,
-                face,
-                tree: &self.trees[f],
-                ambient,
-            };
-            if most * largest <= FEW_RAYS * oracle.ray {
-                self.by_rays(&walk, most * largest <= oracle.ray, sink);
-            } else if self.look_at(view, f) {
-                self.touching.clear();
-                self.touching.extend(0..self.cones.len() as u32);
-                for root in 0..walk.tree.roots as usize {
-                    self.descend(&walk, root, 0..self.cones.len(), sink);
-                }
-            }
+        }
+    }
+
+    /// A side far away by a ray to its middle, with so many times its own light.
+    fn by_one_ray(
+        &self,
+        view: &Viewpoint,
+        f: usize,
+        times: f64,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        let face = &self.mesh.faces[f];
+        let form_factor = times * face.point_form_factor(view);
+        let middle = face.middle_point;
+        if form_factor > 0.0 && self.blockers.sees(view, middle, face.domain.face) {
+            self.whole(f, form_factor / face.area / 3.0, sink);
         }
     }
 
@@ -192,10 +245,9 @@ impl<'a> Gatherer<'a> {
     /// Sum of all weights at `view`, every cell cut exactly: the share of the hemisphere filled by reflecting surfaces
     /// (0…1).
     pub fn row_sum(&mut self, view: &Viewpoint) -> f64 {
-        let light: Vec<FaceLight> = self.trees.iter().map(FaceLight::dark).collect();
+        let dark = self.trees.iter().map(FaceLight::dark).collect();
         let oracle = Oracle {
-            light: &light,
-            ambient: 1.0,
+            sources: &Sources::new(self.mesh, dark, 1.0),
             link: 0.0,
             ray: 0.0,
             skip: 0.0,
@@ -205,28 +257,8 @@ impl<'a> Gatherer<'a> {
         sum
     }
 
-    /// A face by rays: one to its middle, or one to each of its cells.
-    fn by_rays(
-        &mut self,
-        walk: &Walk,
-        is_one_enough: bool,
-        sink: &mut impl FnMut(usize, usize, [f64; 3]),
-    ) {
-        if is_one_enough && let Some(f) = walk.face.distant_form_factor(walk.view, FAR_IN_RADII) {
-            if f > 0.0
-                && self
-                    .blockers
-                    .sees(walk.view, walk.face.middle_point, walk.face.domain.face)
-            {
-                self.whole(walk.f, f / walk.face.area / 3.0, sink);
-            }
-            return;
-        }
-        for root in 0..walk.tree.roots as usize {
-            self.cell_by_rays(walk, root, sink);
-        }
-    }
-
+    /// The light of cell `c` by rays, each to a part that sends about as little as one ray may be wrong by; what sends much more
+    /// for its size is cut for itself.
     fn cell_by_rays(
         &mut self,
         walk: &Walk,
@@ -234,41 +266,72 @@ impl<'a> Gatherer<'a> {
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
         let Some(seen) = walk.look(c) else { return };
-        let strength = walk.strength(c);
-        if let Some(child) = walk.tree.cells[c].first_child()
-            && seen.form_factor * strength.largest > walk.oracle.ray
+        let rays = seen.form_factor * walk.strength(c).largest / walk.oracle.ray;
+        if rays > 1.0
+            && let Some(child) = walk.tree.cells[c].first_child()
         {
             self.cell_by_rays(walk, child, sink);
             self.cell_by_rays(walk, child + 1, sink);
             return;
         }
-        let cell = &walk.tree.cells[c];
-        if !self
-            .blockers
-            .sees(walk.view, cell.centre, walk.face.domain.face)
-        {
+        if rays > SAMPLED_FACTOR {
+            if self.look_at_cell(walk, c, &seen) {
+                let all = self.touch_all();
+                self.descend(walk, c, all, sink);
+            }
             return;
         }
-        let n = walk.view.horizon.normal;
-        let f = if seen.is_above {
-            form_factor_of_directions(n, &seen.corners)
+        let (blockers, eye) = (self.blockers, walk.view.position);
+        let sees = |d: DVec3| blockers.sees(walk.view, eye + d, walk.face.domain.face);
+        let visible = if rays > 1.0 {
+            share_of_samples(seen.corners, sees)
         } else {
-            let mut f = 0.0;
-            let target = walk.target(c);
-            self.scratch.visible_past(
-                self.blockers,
-                std::iter::empty(),
-                walk.view,
-                target,
-                |piece| f += form_factor_of_directions(n, piece),
-            );
-            f
+            let middle = walk.tree.cells[c].centre;
+            f64::from(u8::from(sees(middle - eye)))
         };
-        sink(walk.f, c, [f / 3.0; 3]);
+        if visible > 0.0 {
+            let f = visible * self.open_form_factor(walk, c, &seen);
+            sink(walk.f, c, [f / 3.0; 3]);
+        }
     }
 
-    /// Finds the cones of everything between `view` and face number `f`; false when one of them hides all of it.
-    fn look_at(&mut self, view: &Viewpoint, f: usize) -> bool {
+    /// The form factor of cell `c` if nothing hid it.
+    fn open_form_factor(&mut self, walk: &Walk, c: usize, seen: &Seen) -> f64 {
+        let n = walk.view.horizon.normal;
+        if seen.is_above {
+            return form_factor_of_directions(n, &seen.corners);
+        }
+        let mut f = 0.0;
+        let (target, none) = (walk.target(c), std::iter::empty());
+        self.scratch
+            .visible_past(self.blockers, none, walk.view, target, |piece| {
+                f += form_factor_of_directions(n, piece);
+            });
+        f
+    }
+
+    /// Finds the cones of everything between the viewpoint and cell `c`; false when one of them hides all of it.
+    fn look_at_cell(&mut self, walk: &Walk, c: usize, seen: &Seen) -> bool {
+        let (view, target) = (walk.view, walk.target(c));
+        let region = Region::pyramid(view.position, target.corners)
+            .in_front_of([view.horizon, target.plane]);
+        self.candidates.clear();
+        let (blockers, candidates) = (self.blockers, &mut self.candidates);
+        blockers.collect_screens(view, &region, target.plane, candidates);
+        let cones = &mut self.cones;
+        let hider = blockers.cones(candidates, view, target.plane, &seen.corners, cones);
+        hider.is_none()
+    }
+
+    /// All cones may touch what is looked at.
+    fn touch_all(&mut self) -> Range<usize> {
+        self.touching.clear();
+        self.touching.extend(0..self.cones.len() as u32);
+        0..self.cones.len()
+    }
+
+    /// Finds the cones of everything between `view` and face number `f`, unless they are more than `most`.
+    fn look_at(&mut self, view: &Viewpoint, f: usize, most: f64) -> Outlook {
         let face = &self.mesh.faces[f];
         let blockers = self.blockers;
         let rectangle = face.rectangle.map(|p| p - view.position);
@@ -282,14 +345,20 @@ impl<'a> Gatherer<'a> {
             let cones = &mut self.cones;
             let hiding = blockers.cones(&self.candidates, view, face.plane, &rectangle, cones);
             if hiding.is_some() {
-                return false;
+                return Outlook::Hidden;
             }
             self.candidates.clear();
         }
         blockers.collect_screens(view, &region, face.plane, &mut self.candidates);
+        if self.candidates.len() as f64 > most {
+            return Outlook::Crowd;
+        }
         let cones = &mut self.cones;
         self.hiders[f] = blockers.cones(&self.candidates, view, face.plane, &rectangle, cones);
-        self.hiders[f].is_none()
+        match self.hiders[f] {
+            None => Outlook::Cones,
+            Some(_) => Outlook::Hidden,
+        }
     }
 
     /// The light of cell `c`, past those of the cones that `parents` lists.
@@ -304,6 +373,9 @@ impl<'a> Gatherer<'a> {
         let first = self.touching.len();
         for i in parents {
             let cone = self.touching[i];
+            if self.cones.is_clear_of(cone as usize, &seen.ball) {
+                continue;
+            }
             match self.cones.get(cone as usize).relation(&seen.corners) {
                 Relation::Apart => {}
                 Relation::Holds => {
@@ -390,13 +462,13 @@ struct Walk<'w> {
     f: usize,
     face: &'w SolveFace,
     tree: &'w FaceCells,
-    /// [`Oracle::ambient`] as this face reflects it.
+    /// [`Sources::ambient`] as this face reflects it.
     ambient: f64,
 }
 
 impl Walk<'_> {
     fn strength(&self, c: usize) -> Strength {
-        let light = &self.oracle.light[self.f].cells[c];
+        let light = &self.oracle.sources.faces[self.f].cells[c];
         self.oracle.strength(self.f, light, self.ambient)
     }
 
@@ -424,6 +496,7 @@ impl Walk<'_> {
         let cosines = (highest / nearest).min(1.0) * (across / nearest);
         Some(Seen {
             corners,
+            ball: Ball::new(cell.centre - eye, cell.radius),
             is_above: heights.iter().all(|&h| h >= 0.0),
             form_factor: (cell.area * cosines / (PI * nearest * nearest)).min(1.0),
             spread: (cell.width_squared / (nearest * nearest)).min(1.0),
@@ -452,14 +525,16 @@ fn sampled<'c, I: Iterator<Item = Cone<'c>>>(
         // Near the horizon the cosine is next to nothing.
         return 0.0;
     }
-    let seen = SAMPLE_WEIGHTS
+    let visible = share_of_samples(t, |d| !cones().any(|c| c.hides(d)));
+    form_factor_of_directions(n, &t) * visible
+}
+
+/// The share of the sixteen equal parts of a triangle of directions whose middles are visible.
+fn share_of_samples(t: [DVec3; 3], is_visible: impl Fn(DVec3) -> bool) -> f64 {
+    let middles = SAMPLE_WEIGHTS
         .iter()
-        .filter(|w| {
-            let d = t[0] * w[0] + t[1] * w[1] + t[2] * w[2];
-            !cones().any(|c| c.hides(d))
-        })
-        .count();
-    form_factor_of_directions(n, &t) * seen as f64 / SAMPLE_WEIGHTS.len() as f64
+        .map(|w| t[0] * w[0] + t[1] * w[1] + t[2] * w[2]);
+    middles.filter(|&d| is_visible(d)).count() as f64 / SAMPLE_WEIGHTS.len() as f64
 }
 
 /// Middles of the sixteen triangles that two halvings of the edges make: barycentric coordinates.

@@ -12,6 +12,7 @@
 
 mod basis;
 mod cells;
+mod clusters;
 mod field;
 mod field_face;
 mod gather;

@@ -1,5 +1,6 @@
 //! The lit sides, and on each the coarse mesh at whose corners and edge midpoints the light is gathered for the solution.
 
+use super::clusters::Clusters;
 use super::locator::Locator;
 use super::reach::even_point;
 use crate::geom::Plane;
@@ -57,6 +58,8 @@ pub struct SolveMesh {
     pub faces: Vec<SolveFace>,
     /// Distance of neighbouring points, metres.
     pub spacing: f64,
+    /// The sides that reflect, as a tree.
+    pub(super) clusters: Clusters,
 }
 
 impl SolveMesh {
@@ -94,7 +97,16 @@ impl SolveMesh {
             points.dedup();
             faces.push(SolveFace::new(domain, &points, reflectance, spacing)?);
         }
-        Ok(Self { faces, spacing })
+        Ok(Self {
+            clusters: Clusters::new(&faces),
+            faces,
+            spacing,
+        })
+    }
+
+    /// Area of all faces, m².
+    pub fn area(&self) -> f64 {
+        self.faces.iter().map(|f| f.area).sum()
     }
 
     /// Number of elements.
@@ -110,7 +122,7 @@ impl SolveMesh {
 
     /// Area-weighted mean reflectance (largest channel), 0…1.
     pub fn mean_reflectance(&self) -> f64 {
-        let area: f64 = self.faces.iter().map(|f| f.area).sum();
+        let area = self.area();
         let reflected: f64 = self
             .faces
             .iter()
@@ -218,14 +230,18 @@ impl SolveFace {
         (self.area * cosines / (PI * nearest * nearest)).min(1.0)
     }
 
-    /// The form factor of the face as a point, when it is seen from farther than `radii` times its radius.
-    pub(super) fn distant_form_factor(&self, view: &Viewpoint, radii: f64) -> Option<f64> {
+    /// Whether the face is seen from farther than `radii` times its radius.
+    pub(super) fn is_far(&self, view: &Viewpoint, radii: f64) -> bool {
+        let least = radii * self.radius;
+        self.middle_point.distance_squared(view.position) > least * least
+    }
+
+    /// The form factor of the face as a point at its middle; not positive where that is not seen.
+    pub(super) fn point_form_factor(&self, view: &Viewpoint) -> f64 {
         let d = self.middle_point - view.position;
         let squared = d.length_squared();
-        (squared > radii * radii * self.radius * self.radius).then(|| {
-            let cosines = view.horizon.normal.dot(d).max(0.0) * self.plane.distance(view.position);
-            cosines * self.area / (PI * squared * squared)
-        })
+        let cosines = view.horizon.normal.dot(d).max(0.0) * self.plane.distance(view.position);
+        cosines * self.area / (PI * squared * squared)
     }
 
     /// A convex region that holds every line of sight from `view` to this face: the pyramid over its bounding rectangle.

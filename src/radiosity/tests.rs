@@ -1,6 +1,7 @@
 //! Classic radiosity of a room that is known on paper, geometry and all.
 
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
+use super::clusters::Sources;
 use super::gather::Oracle;
 use super::solve::{Method, Transport};
 use super::{Basis, Bounces, SolveMesh, Solver};
@@ -42,6 +43,21 @@ fn cube(rho: f64) -> Scene {
     clean(&raw, &CleanSettings::default()).expect("a cube").0
 }
 
+/// The sides of a scene, all of one reflectance.
+fn mesh_of(scene: &Scene, rho: f64) -> SolveMesh {
+    let sides = scene.faces.ids().map(|f| {
+        let domain = FaceDomain::new(scene, f, FaceSide::Front, &[], &[], &[]);
+        (domain, Rgb::grey(rho))
+    });
+    // Wider than the faces: each is one element.
+    SolveMesh::new(sides.collect(), 2.0).expect("a cube can be meshed")
+}
+
+/// The mesh of the cube.
+pub(super) fn cube_mesh(rho: f64) -> SolveMesh {
+    mesh_of(&cube(rho), rho)
+}
+
 #[test]
 fn one_element_a_face_lights_the_cube() {
     let text = include_str!("../../fixtures/analytic/cube.txt");
@@ -53,16 +69,7 @@ fn one_element_a_face_lights_the_cube() {
         };
         let scene = cube(rho);
         let blockers = Blockers::new(&scene);
-        let domains = scene
-            .faces
-            .ids()
-            .map(|f| {
-                let domain = FaceDomain::new(&scene, f, FaceSide::Front, &[], &[], &[]);
-                (domain, Rgb::grey(rho))
-            })
-            .collect();
-        // Wider than the faces: each is one element.
-        let mesh = SolveMesh::new(domains, 2.0).expect("a cube can be meshed");
+        let mesh = mesh_of(&scene, rho);
         let cells = |f| FaceCells::new(f, mesh.spacing, Basis::Constant);
         let mut trees: Vec<FaceCells> = mesh.faces.iter().map(cells).collect();
         let is_up = |f: usize| mesh.faces[f].domain.normal.y < -0.5;
@@ -74,8 +81,7 @@ fn one_element_a_face_lights_the_cube() {
             Radiosity(Rgb::grey(f64::from(u8::from(is_up(f)))))
         });
         let oracle = Oracle {
-            light: &sent,
-            ambient: 1.0,
+            sources: &Sources::new(&mesh, sent.clone(), 1.0),
             link: 0.0,
             ray: 0.0,
             skip: 0.0,

@@ -121,6 +121,8 @@ struct Coarse<'a> {
     blockers: &'a Blockers,
     /// Permitted error of one gather, W/m², less the amplification by further bounces.
     error: f64,
+    /// Share of the light that is lost with each bounce.
+    loss: f64,
     /// Faces up to this area (m²) may be off by more.
     minor: f64,
 }
@@ -176,7 +178,9 @@ impl Coarse<'_> {
         let oracle = Oracle {
             sources: light,
             link: LINK_SHARE * accuracy,
-            ray: ray_share(&self.mesh) * accuracy,
+            // The mistakes of rays fall differently on each point: what comes back of them with the next bounces is a mean
+            // over many.
+            ray: ray_share(&self.mesh) * accuracy / self.loss,
             skip,
         };
         let mut sum = Irradiance::ZERO;
@@ -238,7 +242,8 @@ impl<'a> IndirectField<'a> {
         direct: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
     ) -> Result<(Self, SolveReport), TooManyUnknowns> {
         // What a gather misses comes back with every bounce.
-        let error = request.error * mesh.loss();
+        let loss = mesh.loss();
+        let error = request.error * loss;
         let mut trees: Vec<FaceCells> = mesh
             .faces
             .par_iter()
@@ -274,6 +279,7 @@ impl<'a> IndirectField<'a> {
             trees,
             blockers,
             error,
+            loss,
             minor: if is_crowded { MINOR_SHARE * area } else { 0.0 },
         };
         let faces = match request.basis {

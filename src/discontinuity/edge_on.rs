@@ -15,7 +15,7 @@ mod plane_view;
 
 use self::plane_view::{Cell, Feature, Obstacle, PlaneView, Stretch};
 use super::event::Search;
-use super::trace::Landing;
+use super::landing::Landing;
 use super::wedge::{self, Cut};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::{DirectLight, EmitterPolygon};

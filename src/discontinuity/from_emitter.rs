@@ -1,7 +1,8 @@
 //! VE and EV: the wedges that start at a corner or an edge of an emitter.
 
 use super::event::{Found, Search, is_silhouette};
-use super::trace::{self, Hiders, Landing, Traced};
+use super::landing::Landing;
+use super::trace::{self, Hiders, Traced};
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::geom::Plane;

@@ -23,6 +23,7 @@ mod eee;
 mod event;
 mod from_emitter;
 mod horizon;
+mod landing;
 mod merge;
 mod nve;
 mod outline;

@@ -5,7 +5,8 @@
 
 use super::contact::clip_to_part;
 use super::event::is_silhouette;
-use super::trace::{self, Landing};
+use super::landing::Landing;
+use super::trace;
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::{DirectLight, cone_cosines, unoccluded_by};

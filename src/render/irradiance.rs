@@ -68,6 +68,9 @@ mod tests {
     use crate::quantity::{Exitance, Radiosity};
     use crate::render::EmitterSide;
 
+    /// A few roundings of irradiances of tens of W/m².
+    const ROUNDOFF: f64 = 1e-12;
+
     #[test]
     fn light_beyond_the_end_of_the_colours_comes_from_the_radiosity() {
         let light = Irradiance(Rgb::new(1.0, 40.0, 3.0));
@@ -84,7 +87,7 @@ mod tests {
             ..LitModel::default()
         };
         let found = model.irradiance(&part, 0).unwrap();
-        assert!((found.0.0 - light.0.0).abs().max_element() < 1e-12);
+        assert!((found.0.0 - light.0.0).abs().max_element() < ROUNDOFF);
 
         // The same surface as an emitter: what it emits is no light that arrives.
         let exitance = Exitance(Rgb::grey(7.0));
@@ -98,7 +101,7 @@ mod tests {
         };
         let found = model.irradiance(&emitter, 0).unwrap().0.to_array();
         assert!(
-            (found[1] - 40.0).abs() < 1e-12 && found[2] == 0.0,
+            (found[1] - 40.0).abs() < ROUNDOFF && found[2] == 0.0,
             "{found:?}"
         );
         assert!(LitModel::default().irradiance(&emitter, 0).is_none());

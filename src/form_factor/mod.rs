@@ -52,6 +52,7 @@ pub use contour::between;
 pub use matrix::FormFactors;
 pub use obstructed::past;
 pub use patch::{FLAT, Patch};
+pub(crate) use rule::RADON;
 
 /// A form factor and how far it may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -59,7 +59,7 @@ pub(super) fn modulus(shift: f64, length: f64) -> f64 {
 
 /// Radon's rule of degree 5 for triangles (Radon 1948): barycentric coordinates and weights. Nodes at (6 ∓ √15)/21 from the
 /// sides, weights (155 ∓ √15)/1200.
-pub(super) const RADON: [([f64; 3], f64); 7] = {
+pub(crate) const RADON: [([f64; 3], f64); 7] = {
     const NEAR: f64 = 0.101_286_507_323_456_34;
     const FAR: f64 = 0.470_142_064_105_115_1;
     const NEAR_WEIGHT: f64 = 0.125_939_180_544_827_15;

@@ -13,6 +13,7 @@
 
 use super::greatest::Greatest;
 use super::{Basis, SolveFace};
+use crate::form_factor::RADON;
 use crate::quantity::{Radiosity, Rgb};
 use crate::scene::FaceSide;
 use glam::{DVec2, DVec3};
@@ -86,25 +87,6 @@ pub(super) struct FaceLight {
     /// The largest value at any corner of any cell, of any channel, W/m².
     pub(super) largest: f64,
 }
-
-/// Nodes of Radon's rule of degree 5 for triangles (Radon 1948): barycentric coordinates and weights.
-pub(super) const RADON: [([f64; 3], f64); 7] = {
-    // (6 ∓ √15)/21 and (155 ∓ √15)/1200.
-    const NEAR: f64 = 0.101_286_507_323_456_34;
-    const FAR: f64 = 0.470_142_064_105_115_1;
-    const NEAR_WEIGHT: f64 = 0.125_939_180_544_827_15;
-    const FAR_WEIGHT: f64 = 0.132_394_152_788_506_2;
-    const THIRD: f64 = 1.0 / 3.0;
-    [
-        ([THIRD; 3], 9.0 / 40.0),
-        ([1.0 - 2.0 * NEAR, NEAR, NEAR], NEAR_WEIGHT),
-        ([NEAR, 1.0 - 2.0 * NEAR, NEAR], NEAR_WEIGHT),
-        ([NEAR, NEAR, 1.0 - 2.0 * NEAR], NEAR_WEIGHT),
-        ([1.0 - 2.0 * FAR, FAR, FAR], FAR_WEIGHT),
-        ([FAR, 1.0 - 2.0 * FAR, FAR], FAR_WEIGHT),
-        ([FAR, FAR, 1.0 - 2.0 * FAR], FAR_WEIGHT),
-    ]
-};
 
 impl Cell {
     fn new(flat: [DVec2; 3], face: &SolveFace, depth: u8) -> Self {

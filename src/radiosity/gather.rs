@@ -5,19 +5,17 @@
 //! below it. The walk stops at a cell whose light, seen from here, is as good as linear: its form factor is Lambert's,
 //! its visible part what exact cutting leaves of it. Faces too faint to be worth that are judged by rays.
 
-use super::cells::{CellLight, FaceCells, FaceLight};
+use super::SolveMesh;
+use super::cells::{FaceCells, FaceLight};
 use super::clusters::{Limits, Source, Sources};
-use super::kernel::{Basis, Corner, cell_corners, split};
+use super::kernel::{Basis, Corner, split};
 use super::reach::direction;
-use super::{SolveFace, SolveMesh};
+use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
 use crate::scene::{FaceId, FaceSide};
-use crate::visibility::{
-    Ball, Blockers, Cone, Cones, Region, Relation, Scratch, Target, Viewpoint,
-};
+use crate::visibility::{Blockers, Cones, Region, Relation, Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
-use std::f64::consts::PI;
 use std::ops::Range;
 
 /// A face is judged by rays alone when so many of them are enough.
@@ -50,23 +48,6 @@ pub(super) struct Oracle<'l> {
     pub(super) skip: f64,
 }
 
-/// Light sent per form factor by the cell at hand.
-struct Strength {
-    deviation: f64,
-    range: f64,
-    largest: f64,
-}
-
-impl Oracle<'_> {
-    fn strength(&self, face: usize, light: &CellLight, ambient: f64) -> Strength {
-        Strength {
-            deviation: light.deviation + ambient,
-            range: light.range() + ambient,
-            largest: self.sources.faces[face].largest + ambient,
-        }
-    }
-}
-
 /// Walks the cells; holds the buffers of one thread.
 pub struct Gatherer<'a> {
     mesh: &'a SolveMesh,
@@ -89,17 +70,6 @@ enum Outlook {
     Cones,
     /// More than there are rays to be cast.
     Crowd,
-}
-
-/// A cell as seen from the viewpoint.
-struct Seen {
-    corners: [DVec3; 3],
-    ball: Ball,
-    is_above: bool,
-    /// A bound of its form factor.
-    form_factor: f64,
-    /// Square of its width over its distance, at most 1.
-    spread: f64,
 }
 
 impl<'a> Gatherer<'a> {
@@ -454,115 +424,3 @@ impl<'a> Gatherer<'a> {
         sum
     }
 }
-
-/// What stays the same while the trees of one face are walked.
-struct Walk<'w> {
-    view: &'w Viewpoint,
-    oracle: &'w Oracle<'w>,
-    f: usize,
-    face: &'w SolveFace,
-    tree: &'w FaceCells,
-    /// [`Sources::ambient`] as this face reflects it.
-    ambient: f64,
-}
-
-impl Walk<'_> {
-    fn strength(&self, c: usize) -> Strength {
-        let light = &self.oracle.sources.faces[self.f].cells[c];
-        self.oracle.strength(self.f, light, self.ambient)
-    }
-
-    fn target(&self, c: usize) -> Target<'_> {
-        Target {
-            corners: &self.tree.cells[c].corners,
-            plane: self.face.plane,
-        }
-    }
-
-    /// How cell `c` is seen; none when it lies below the horizon.
-    fn look(&self, c: usize) -> Option<Seen> {
-        let cell = &self.tree.cells[c];
-        let eye = self.view.position;
-        let corners = cell.corners.map(|p| p - eye);
-        let heights = corners.map(|d| self.view.horizon.normal.dot(d));
-        let highest = heights[0].max(heights[1]).max(heights[2]);
-        if highest <= 0.0 {
-            return None;
-        }
-        let across = self.face.plane.distance(eye);
-        // From close by the cell is seen as its nearest point is, not as its middle.
-        let squared = cell.centre.distance_squared(eye);
-        let nearest = (squared.sqrt() - cell.radius).max(across);
-        let cosines = (highest / nearest).min(1.0) * (across / nearest);
-        Some(Seen {
-            corners,
-            ball: Ball::new(cell.centre - eye, cell.radius),
-            is_above: heights.iter().all(|&h| h >= 0.0),
-            form_factor: (cell.area * cosines / (PI * nearest * nearest)).min(1.0),
-            spread: (cell.width_squared / (nearest * nearest)).min(1.0),
-        })
-    }
-}
-
-/// The weights of a cell in full view.
-fn clear(walk: &Walk, seen: &Seen, strength: &Strength) -> [f64; 3] {
-    let n = walk.view.horizon.normal;
-    if strength.range * seen.form_factor * seen.spread.sqrt() <= walk.oracle.link {
-        return [form_factor_of_directions(n, &seen.corners) / 3.0; 3];
-    }
-    let mut sum = [0.0; 3];
-    split(n, cell_corners(seen.corners), 0, &mut sum);
-    sum
-}
-
-/// The form factor of a triangle of directions by the share of its sixteen equal parts whose middles no cone hides.
-fn sampled<'c, I: Iterator<Item = Cone<'c>>>(
-    n: DVec3,
-    t: [DVec3; 3],
-    cones: impl Fn() -> I,
-) -> f64 {
-    if t.iter().any(|d| n.dot(*d) < 0.0) {
-        // Near the horizon the cosine is next to nothing.
-        return 0.0;
-    }
-    let visible = share_of_samples(t, |d| !cones().any(|c| c.hides(d)));
-    form_factor_of_directions(n, &t) * visible
-}
-
-/// The share of the sixteen equal parts of a triangle of directions whose middles are visible.
-fn share_of_samples(t: [DVec3; 3], is_visible: impl Fn(DVec3) -> bool) -> f64 {
-    let middles = SAMPLE_WEIGHTS
-        .iter()
-        .map(|w| t[0] * w[0] + t[1] * w[1] + t[2] * w[2]);
-    middles.filter(|&d| is_visible(d)).count() as f64 / SAMPLE_WEIGHTS.len() as f64
-}
-
-/// Middles of the sixteen triangles that two halvings of the edges make: barycentric coordinates.
-const SAMPLE_WEIGHTS: [[f64; 3]; 16] = {
-    let mut w = [[0.0; 3]; 16];
-    let (mut k, mut i) = (0, 0);
-    while i < 4 {
-        let mut j = 0;
-        while i + j < 4 {
-            // Upright triangles, then the inverted ones between them.
-            let (a, b) = (i as f64, j as f64);
-            w[k] = [
-                (a + 1.0 / 3.0) / 4.0,
-                (b + 1.0 / 3.0) / 4.0,
-                1.0 - (a + b + 2.0 / 3.0) / 4.0,
-            ];
-            k += 1;
-            if i + j < 3 {
-                w[k] = [
-                    (a + 2.0 / 3.0) / 4.0,
-                    (b + 2.0 / 3.0) / 4.0,
-                    1.0 - (a + b + 4.0 / 3.0) / 4.0,
-                ];
-                k += 1;
-            }
-            j += 1;
-        }
-        i += 1;
-    }
-    w
-};

@@ -1,7 +1,7 @@
 //! The form factor of a visible piece of a cell, split by the linear basis of the cell.
 
-use super::cells::RADON;
 use crate::direct::form_factor_of_directions;
+use crate::form_factor::RADON;
 use glam::DVec3;
 
 /// A triangle wider than this many times its distance is divided before the quadrature reads the kernel over it: for

@@ -27,6 +27,7 @@ mod solve_mesh;
 mod solvers;
 #[cfg(test)]
 mod tests;
+mod walk;
 
 pub use basis::Basis;
 pub use field::{IndirectField, Request, SolutionError};

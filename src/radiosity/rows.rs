@@ -1,12 +1,12 @@
 //! The links of all nodes: what each sees of the cells.
 
-use super::cells::{Cell, FaceCells, RADON};
+use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
 use super::nodes::FaceNodes;
 use super::solvers::{Link, check};
 use super::{Basis, Gatherer, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::direct::form_factor;
-use crate::form_factor::{FLAT, Patch, between};
+use crate::form_factor::{FLAT, Patch, RADON, between};
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;

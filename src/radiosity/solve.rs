@@ -4,12 +4,13 @@
 //! quadratic. It is gathered from the cells, face by face, and what the face then reflects, direct light and all, is projected
 //! onto the face's own cells: no power is lost between the nodes.
 
-use super::cells::{CellLight, FaceCells, FaceLight, RADON};
+use super::cells::{CellLight, FaceCells, FaceLight};
 use super::gather::Oracle;
 use super::nodes::{FaceNodes, NodalField};
 use super::rows::Rows;
 use super::solvers::{self, Block, Corners, Leaf, Outcome, Parent, Problem, System};
 use super::{Basis, SolveFace, SolveMesh, Solver, TooManyUnknowns};
+use crate::form_factor::RADON;
 use crate::quantity::{Irradiance, Radiosity, Rgb};
 use crate::visibility::Blockers;
 use glam::DVec3;

@@ -40,7 +40,8 @@ use crate::visibility::Blockers;
 use crate::warning::Warning;
 use indirect::Rooms;
 use lit::{guess_direct, lit_sides};
-use stages::{Aim, DISPLAY_SHARE, FIELD_SHARE, Mesher, Run};
+pub use stages::MEASURE_SLACK;
+use stages::{Aim, Mesher, Run};
 
 /// Why a scene could not be lit.
 #[derive(Debug, thiserror::Error)]
@@ -118,9 +119,6 @@ const START_SPACING: f64 = 0.15;
 /// single rays.
 const WEAK_SHARE: f64 = 0.2;
 
-/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
-const DIRECT_SHARE: f64 = 0.9;
-
 /// Lights `world` to the error asked for.
 ///
 /// # Errors
@@ -157,25 +155,12 @@ pub fn light<'a>(
     }
 
     run.start("display mesh");
-    let mut aim = Aim {
-        mesher: Mesher {
-            meshing: settings.meshing,
-            spacing: START_SPACING * scene.diagonal,
-        },
-        display: if solve_mesh.is_some() {
-            DISPLAY_SHARE
-        } else {
-            DIRECT_SHARE
-        },
-        // Alone the mesh may use it all: what the estimate missed has been measured then.
-        most_display: if solve_mesh.is_some() {
-            DISPLAY_SHARE
-        } else {
-            1.0
-        },
-        field: FIELD_SHARE,
-        weak: WEAK_SHARE * settings.error * (mean_direct + mean_indirect),
+    let mesher = Mesher {
+        meshing: settings.meshing,
+        spacing: START_SPACING * scene.diagonal,
     };
+    let weak = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
+    let mut aim = Aim::new(mesher, solve_mesh.as_ref(), weak);
     let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, &mut lines);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;
     let indirect = match solve_mesh {

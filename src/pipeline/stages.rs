@@ -31,8 +31,19 @@ const OUTLINE_PAIRS: usize = 200;
 
 /// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
 /// squares, and the rest is left to the solution.
-pub(super) const DISPLAY_SHARE: f64 = 0.8;
-pub(super) const FIELD_SHARE: f64 = 0.4;
+const DISPLAY_SHARE: f64 = 0.8;
+const FIELD_SHARE: f64 = 0.4;
+
+/// The same where gathers are dear and rays have a share in their error.
+const CROWDED_DISPLAY_SHARE: f64 = 0.7;
+const CROWDED_FIELD_SHARE: f64 = 0.5;
+
+/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
+const DIRECT_SHARE: f64 = 0.9;
+
+/// A measured error that exceeds the one asked for by less than this share is let be: it is known to a few per cent, and
+/// another round costs as much as all before.
+pub const MEASURE_SLACK: f64 = 0.05;
 
 /// A part that exceeded its share is asked for so much more than its excess.
 const MISSED_MARGIN: f64 = 0.9;
@@ -47,6 +58,10 @@ const CORRECTION_SHARE: f64 = 0.4;
 /// The first correction is made once the field is within this many times its permitted error.
 const FIRST_CORRECTION: f64 = 3.0;
 
+/// A field that was within its permitted error before a correction is left as it is while it is within so many times that
+/// after it: what the estimate takes for error there is in part what the correction's own gathers miss.
+const CORRECTED_SLACK: f64 = 1.25;
+
 /// Corrections at most, a round.
 const MAX_CORRECTIONS: usize = 4;
 
@@ -56,13 +71,36 @@ pub(super) struct Aim {
     /// Interpolation over the display mesh, and the most that it may be found to be off by.
     pub(super) display: f64,
     pub(super) most_display: f64,
-    /// The indirect field.
+    /// The indirect field, and the most that it may be found to be off by.
     pub(super) field: f64,
+    pub(super) most_field: f64,
     /// What the weakest emitters at a point may together be off by, W/m².
     pub(super) weak: f64,
 }
 
 impl Aim {
+    /// For the shares of a scene whose indirect light is solved for on `mesh`, if there is any.
+    pub(super) fn new(mesher: Mesher, mesh: Option<&SolveMesh>, weak: f64) -> Self {
+        // Alone the mesh may use it all: what the estimate missed has been measured then.
+        let (display, most_display, field) = match mesh {
+            None => (DIRECT_SHARE, 1.0, FIELD_SHARE),
+            Some(mesh) if mesh.is_crowded() => (
+                CROWDED_DISPLAY_SHARE,
+                CROWDED_DISPLAY_SHARE,
+                CROWDED_FIELD_SHARE,
+            ),
+            Some(_) => (DISPLAY_SHARE, DISPLAY_SHARE, FIELD_SHARE),
+        };
+        Self {
+            mesher,
+            display,
+            most_display,
+            field,
+            most_field: field,
+            weak,
+        }
+    }
+
     /// Asks for more where a part was found to be off by more than its share: what its estimate has missed.
     fn ask_more(&mut self, settings: &Settings, summary: &Summary) {
         let more = |share: f64, found: f64, allowed: f64| {
@@ -74,7 +112,7 @@ impl Aim {
         };
         let measured = &summary.measured;
         self.display = more(self.display, measured.relative_rms_mesh, self.most_display);
-        self.field = more(self.field, measured.relative_rms_field, FIELD_SHARE);
+        self.field = more(self.field, measured.relative_rms_field, self.most_field);
     }
 }
 
@@ -223,7 +261,7 @@ impl<'r, 'p> Run<'r, 'p> {
             let summary = &mut self.summary;
             summary.measured = measured;
             summary.rounds = round + 1;
-            let is_met = measured.relative_rms <= settings.error;
+            let is_met = measured.relative_rms <= (1.0 + MEASURE_SLACK) * settings.error;
             summary.stopped_by = self.meter.reached().filter(|_| !is_met).map(Limit::name);
             if is_met || summary.stopped_by.is_some() {
                 break;
@@ -250,11 +288,14 @@ impl<'r, 'p> Run<'r, 'p> {
             }
             self.start("gather");
             let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
+            let target = coarser * error * share * mean;
             let (meter, clock) = (&self.meter, &mut self.clock);
-            field.refine(coarser * error * share * mean, |f| {
-                clock.tick(f);
-                !meter.is_used_up()
-            })?;
+            if step < 2 || field.estimate_rms() > CORRECTED_SLACK * target {
+                field.refine(target, |f| {
+                    clock.tick(f);
+                    !meter.is_used_up()
+                })?;
+            }
             if self.meter.is_used_up() {
                 break;
             }

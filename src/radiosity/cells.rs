@@ -12,6 +12,7 @@
 //! (Hanrahan, Salzman & Aupperle 91; linear bases as in Gortler, Schröder, Cohen & Hanrahan 93).
 
 use super::greatest::Greatest;
+use super::locator::Locator;
 use super::{Basis, SolveFace};
 use crate::form_factor::RADON;
 use crate::quantity::{Radiosity, Rgb};
@@ -58,6 +59,7 @@ pub(super) struct FaceCells {
     pub(super) cells: Vec<Cell>,
     /// The first so many cells are roots.
     pub(super) roots: u32,
+    root_locator: Locator,
     /// The first so many are as wide as the spacing of the solve mesh asks for; the light has asked for the others.
     pub(super) coarse: usize,
     /// For each cell the greatest weight that what is not linear about its light had anywhere: form factor times square of
@@ -151,6 +153,7 @@ impl FaceCells {
             .collect();
         let mut tree = Self {
             roots: cells.len() as u32,
+            root_locator: Locator::of(cells.len(), |c| cells[c].flat),
             coarse: 0,
             basis,
             exposure: vec![Greatest::default(); cells.len()],
@@ -212,6 +215,23 @@ impl FaceCells {
         }
         found.pull(self);
         found
+    }
+
+    /// The root that holds `p` (frame coordinates), or the one that comes nearest; none when the face has no area.
+    pub(super) fn root_at(&self, p: DVec2) -> Option<usize> {
+        let flat = |c: usize| self.cells[c].flat;
+        let found = self.root_locator.find(self.roots as usize, flat, p);
+        found.map(|(root, _)| root)
+    }
+
+    /// The child of cell `i` that lies on the side of `p` (frame coordinates); none of a leaf.
+    pub(super) fn child_towards(&self, i: usize, p: DVec2) -> Option<usize> {
+        let cell = &self.cells[i];
+        let first = cell.first_child()?;
+        let [a, b, c] = cell.order().map(|k| cell.flat[k]);
+        let cut = a.midpoint(b) - c;
+        let is_left = (cut.perp_dot(p - c) < 0.0) == (cut.perp_dot(a - c) < 0.0);
+        Some(if is_left { first } else { first + 1 })
     }
 
     /// The triangles that the spacing of the solve mesh asks for, whatever the light has divided since.

@@ -1,11 +1,10 @@
-//! Sides that lie together, as a tree: what is far or faint is looked at many sides at a time.
+//! Sides that lie together, as a tree: what is faint is left out, or to rays, many sides at a time.
 //!
-//! A row that asked every side would cost as much as there are sides, for each of as many nodes. Here a cluster whose sides
-//! together send less than one ray may be wrong by is judged by one ray, to one of its sides: chosen once for all viewpoints,
-//! with probability proportional to the light it sends, so that the choice is right in the mean and neighbouring points
-//! agree on it (Walter et al. 2005, *Lightcuts*).
+//! A row that asked every side would cost as much as there are sides, for each of as many nodes. Here a whole cluster is
+//! passed over when even rays over the hemisphere tell what its sides send as well as is asked for.
 
 use super::cells::FaceLight;
+use super::sweep::Sweep;
 use super::{SolveFace, SolveMesh};
 use crate::visibility::Viewpoint;
 use glam::DVec3;
@@ -35,14 +34,12 @@ pub(super) struct Clusters {
 }
 
 /// What a cluster sends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Power {
     /// Area times radiosity: a bound of it, W.
     total: f64,
-    /// One of its sides …
-    side: u32,
-    /// … and what that one sends of the total, W.
-    own: f64,
+    /// The largest radiosity of any of its sides, W/m².
+    brightest: f64,
 }
 
 /// The light of all sides, and of the clusters that they make.
@@ -54,21 +51,13 @@ pub(super) struct Sources {
     powers: Vec<Power>,
 }
 
-/// What is to be looked at.
-pub(super) enum Source {
-    /// A side.
-    Side(usize),
-    /// A side that stands for others, too, with so many times its own light.
-    Delegate { side: usize, times: f64 },
-}
-
-/// Below which irradiance (W/m²) …
+/// What need not be looked at.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
-    /// … a cluster is left out.
+    /// Clusters that send less than this irradiance, W/m².
     pub(super) skip: f64,
-    /// … one side may stand for all.
-    pub(super) ray: f64,
+    /// What these rays will do for.
+    pub(super) sweep: Option<Sweep>,
 }
 
 impl Clusters {
@@ -120,43 +109,34 @@ impl Clusters {
         self.nodes.len() as u32 - 1
     }
 
-    /// Calls `sink` for all that `view` may see of `sources`, in an order that depends on the tree alone.
+    /// Calls `sink` for the sides whose light is to be cut exactly for `view`, in an order that depends on the tree alone.
     pub(super) fn visit(
         &self,
         view: &Viewpoint,
         sources: &Sources,
         limits: Limits,
-        mut sink: impl FnMut(Source),
+        mut sink: impl FnMut(usize),
     ) {
-        let mut open: Vec<u32> = self
-            .nodes
-            .len()
-            .checked_sub(1)
-            .map(|n| n as u32)
-            .into_iter()
-            .collect();
+        let mut open: Vec<u32> = Vec::from_iter(self.root());
         while let Some(n) = open.pop() {
             let (cluster, power) = (&self.nodes[n as usize], &sources.powers[n as usize]);
             let pair = match cluster.kind {
                 Kind::Side(side) => {
-                    sink(Source::Side(side as usize));
+                    sink(side as usize);
                     continue;
                 }
                 Kind::Pair(pair) => pair,
             };
             let arriving = cluster.largest_kernel(view) * power.total;
-            if arriving <= limits.skip {
-                continue;
-            }
-            if arriving <= limits.ray {
-                sink(Source::Delegate {
-                    side: power.side as usize,
-                    times: power.total / power.own,
-                });
-            } else {
+            let is_swept = |s: Sweep| s.is_enough(power.brightest, arriving);
+            if arriving > limits.skip && !limits.sweep.is_some_and(is_swept) {
                 open.extend(pair.into_iter().rev());
             }
         }
+    }
+
+    fn root(&self) -> Option<u32> {
+        self.nodes.len().checked_sub(1).map(|n| n as u32)
     }
 }
 
@@ -179,27 +159,22 @@ impl Sources {
     pub(super) fn new(mesh: &SolveMesh, faces: Vec<FaceLight>, ambient: f64) -> Self {
         let nodes = &mesh.clusters.nodes;
         let mut powers: Vec<Power> = Vec::with_capacity(nodes.len());
-        for (n, cluster) in nodes.iter().enumerate() {
+        for cluster in nodes {
             powers.push(match cluster.kind {
                 Kind::Side(side) => {
                     let face = &mesh.faces[side as usize];
-                    let largest = faces[side as usize].largest;
-                    let own = face.area * (largest + ambient * face.reflectance.0.max_element());
+                    let brightest = brightest(face, &faces[side as usize], ambient);
                     Power {
-                        total: own,
-                        side,
-                        own,
+                        total: face.area * brightest,
+                        brightest,
                     }
                 }
                 Kind::Pair(pair) => {
                     let [a, b] = pair.map(|p| powers[p as usize]);
-                    let total = a.total + b.total;
-                    let chosen = if evenly_spread(n) * total < a.total {
-                        a
-                    } else {
-                        b
-                    };
-                    Power { total, ..chosen }
+                    Power {
+                        total: a.total + b.total,
+                        brightest: a.brightest.max(b.brightest),
+                    }
                 }
             });
         }
@@ -209,13 +184,15 @@ impl Sources {
             powers,
         }
     }
+
+    /// The largest radiosity that side `f` of `mesh` may have, W/m².
+    pub(super) fn brightest(&self, mesh: &SolveMesh, f: usize) -> f64 {
+        brightest(&mesh.faces[f], &self.faces[f], self.ambient)
+    }
 }
 
-/// Number `n` of a sequence that fills 0…1 evenly.
-fn evenly_spread(n: usize) -> f64 {
-    /// One over the golden ratio.
-    const STEP: f64 = 0.618_033_988_749_894_9;
-    (STEP * n as f64).fract()
+fn brightest(face: &SolveFace, light: &FaceLight, ambient: f64) -> f64 {
+    light.largest + ambient * face.reflectance.0.max_element()
 }
 
 #[cfg(test)]
@@ -228,47 +205,39 @@ mod tests {
         Viewpoint::new(DVec3::splat(0.1), DVec3::ONE.normalize())
     }
 
-    /// What a visit finds: every side with how often its own light counts.
-    fn found(limits: Limits) -> Vec<(usize, f64)> {
+    /// The sides of a cube, all of radiosity 2 W/m², that are to be cut exactly.
+    fn cut(limits: Limits) -> Vec<usize> {
         let mesh = cube_mesh(0.5);
         let light = |_| FaceLight {
             largest: 2.0,
             ..FaceLight::default()
         };
         let sources = Sources::new(&mesh, mesh.faces.iter().map(light).collect(), 0.0);
-        let mut all = Vec::new();
+        let mut sides = Vec::new();
         mesh.clusters
-            .visit(&view(), &sources, limits, |what| match what {
-                Source::Side(side) => all.push((side, 1.0)),
-                Source::Delegate { side, times } => all.push((side, times)),
-            });
-        all.sort_by_key(|x| x.0);
-        all
+            .visit(&view(), &sources, limits, |side| sides.push(side));
+        sides.sort_unstable();
+        sides
     }
 
     #[test]
-    fn every_side_is_looked_at_where_no_ray_may_be_wrong() {
+    fn every_side_is_cut_where_there_are_no_rays() {
         let exact = Limits {
             skip: 0.0,
-            ray: 0.0,
+            sweep: None,
         };
-        let all: Vec<(usize, f64)> = (0..6).map(|side| (side, 1.0)).collect();
-        assert_eq!(found(exact), all);
+        assert_eq!(cut(exact), [0, 1, 2, 3, 4, 5]);
     }
 
     #[test]
-    fn one_side_stands_for_all_where_any_ray_may_be_wrong() {
-        let rough = Limits {
-            skip: 0.0,
-            ray: f64::INFINITY,
-        };
-        // Six sides of equal area and light.
-        assert!(matches!(found(rough)[..], [(_, times)] if (times - 6.0).abs() < 1e-12));
-        let none = Limits {
-            skip: f64::INFINITY,
-            ray: f64::INFINITY,
-        };
-        assert!(found(none).is_empty());
+    fn none_is_cut_where_rays_will_do_or_light_is_too_faint() {
+        let [few, skipped] = [(f64::INFINITY, 0.0), (0.0, f64::INFINITY)].map(|(noise, skip)| {
+            cut(Limits {
+                skip,
+                sweep: Some(Sweep { noise }),
+            })
+        });
+        assert!(few.is_empty() && skipped.is_empty());
     }
 
     #[test]
@@ -278,7 +247,7 @@ mod tests {
         let sources = Sources::new(&mesh, vec![FaceLight::default(); 6], 1.0);
         let limits = Limits {
             skip: 0.0,
-            ray: 0.0,
+            sweep: None,
         };
         mesh.clusters
             .visit(&view(), &sources, limits, |_| panic!("a black side"));

@@ -20,6 +20,7 @@ use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
 use super::solve_mesh::SPREAD_POINTS;
+use super::sweep::Sweep;
 use super::{
     Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
 };
@@ -61,12 +62,7 @@ const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 /// much: all that is known before it is solved for.
 const AMBIENT_SHARE: f64 = 0.15;
 
-/// With more sides than this cutting everything exactly costs more than the rest of the bake, and the mistakes of rays are
-/// spread over so many of them that they cancel: faint bits are judged by rays, and so is what a small face receives. Fewer
-/// are always cut exactly.
-const MANY_SIDES: usize = 256;
-
-/// Rays from each point of such a face: evenly spread, all of them are right to about a per cent.
+/// Rays from each point of a small face where faces are many: evenly spread, all of them are right to about a per cent.
 const SMALL_FACE_RAYS: u32 = 128;
 
 /// What is asked of the indirect light.
@@ -127,12 +123,23 @@ struct Coarse<'a> {
     minor: f64,
 }
 
-fn is_crowded(mesh: &SolveMesh) -> bool {
-    mesh.faces.len() > MANY_SIDES
-}
-
-fn ray_share(mesh: &SolveMesh) -> f64 {
-    if is_crowded(mesh) { RAY_SHARE } else { 0.0 }
+/// How good a row or gather from `sources` has to be: what is not linear right to `link`, what rays say to `ray`, W/m².
+fn oracle<'s>(
+    mesh: &SolveMesh,
+    sources: &'s Sources,
+    link: f64,
+    ray: f64,
+    skip: f64,
+) -> Oracle<'s> {
+    let is_crowded = mesh.is_crowded();
+    let ray = RAY_SHARE * ray;
+    Oracle {
+        sources,
+        link: LINK_SHARE * link,
+        ray: if is_crowded { ray } else { 0.0 },
+        skip,
+        sweep: (is_crowded && ray > 0.0).then_some(Sweep { noise: ray }),
+    }
 }
 
 impl Coarse<'_> {
@@ -175,14 +182,9 @@ impl Coarse<'_> {
         accuracy: f64,
         skip: f64,
     ) -> Irradiance {
-        let oracle = Oracle {
-            sources: light,
-            link: LINK_SHARE * accuracy,
-            // The mistakes of rays fall differently on each point: what comes back of them with the next bounces is a mean
-            // over many.
-            ray: ray_share(&self.mesh) * accuracy / self.loss,
-            skip,
-        };
+        // The mistakes of rays fall differently on each point: what comes back of them with the next bounces is a mean
+        // over many.
+        let oracle = oracle(&self.mesh, light, accuracy, accuracy / self.loss, skip);
         let mut sum = Irradiance::ZERO;
         gatherer.visit(view, &oracle, &mut |f, c, weights| {
             let corners = &light.faces[f].cells[c].corners;
@@ -260,13 +262,8 @@ impl<'a> IndirectField<'a> {
             Linking::Leaves => (0.0, 1.0),
         };
         let mut sources = Sources::new(&mesh, light, ambient);
-        let oracle = Oracle {
-            sources: &sources,
-            link: LINK_SHARE * accuracy,
-            ray: ray_share(&mesh) * accuracy,
-            skip: 0.0,
-        };
-        let (is_crowded, area) = (is_crowded(&mesh), mesh.area());
+        let oracle = oracle(&mesh, &sources, accuracy, accuracy / loss, 0.0);
+        let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
         let transport = Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
             let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
             let points = if face.is_small { SPREAD_POINTS } else { 1 };
@@ -307,17 +304,14 @@ impl<'a> IndirectField<'a> {
         target: f64,
         mut progress: impl FnMut(f64) -> bool,
     ) -> Result<(), MeshError> {
-        let area = self.area();
-        let allowed = target * target * area;
+        let allowed = target * target * self.area();
         for _ in 0..MAX_ROUNDS {
-            let mut squares: Vec<f64> = self.faces.iter().flat_map(FieldFace::errors).collect();
-            squares.sort_unstable_by(f64::total_cmp);
-            let total: f64 = squares.iter().sum();
-            self.estimated_rms = (total / area).sqrt();
-            let goes_on = progress((target / self.estimated_rms).min(1.0));
-            if total <= allowed || !goes_on {
+            let goes_on = progress((target / self.estimate_rms()).min(1.0));
+            if self.estimated_rms <= target || !goes_on {
                 break;
             }
+            let mut squares: Vec<f64> = self.faces.iter().flat_map(FieldFace::errors).collect();
+            squares.sort_unstable_by(f64::total_cmp);
             let mut unmarked = 0.0;
             let limit = squares
                 .iter()
@@ -457,8 +451,15 @@ impl<'a> IndirectField<'a> {
         self.gathers
     }
 
-    /// Estimated RMS error of the field against gathering everywhere, W/m².
+    /// Estimated RMS error of the field against gathering everywhere when it was last refined, W/m².
     pub fn estimated_rms(&self) -> f64 {
+        self.estimated_rms
+    }
+
+    /// The same as it is now.
+    pub fn estimate_rms(&mut self) -> f64 {
+        let total: f64 = self.faces.iter().flat_map(FieldFace::errors).sum();
+        self.estimated_rms = (total / self.area()).sqrt();
         self.estimated_rms
     }
 }

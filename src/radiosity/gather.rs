@@ -3,16 +3,17 @@
 //! Face by face: the parts that may stand between are found once for the face and their cones built once; then the face's
 //! trees are walked from the roots. A cell that a cone hides ends the walk; cones that pass it by are not looked at again
 //! below it. The walk stops at a cell whose light, seen from here, is as good as linear: its form factor is Lambert's,
-//! its visible part what exact cutting leaves of it. Faces too faint to be worth that are judged by rays.
+//! its visible part what exact cutting leaves of it. Where faces are many, those that an even set of rays over the hemisphere
+//! tells well enough are left to it.
 
 use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
-use super::clusters::{Limits, Source, Sources};
+use super::clusters::{Limits, Sources};
 use super::kernel::{Basis, Corner, split};
-use super::reach::direction;
+use super::sweep::{RAYS, Sweep, met};
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
-use crate::scene::{FaceId, FaceSide};
+use crate::mesh::barycentric;
 use crate::visibility::{Blockers, Cones, Region, Relation, Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -31,10 +32,6 @@ const MANY_BLOCKERS: usize = 4;
 /// points: their mistakes are a quarter of one ray's.
 const SAMPLED_FACTOR: f64 = 16.0;
 
-/// Only seen from farther than this many times its radius a face may be judged by one ray to its middle: its form factor
-/// is then that of a point to a few per cent.
-const FAR_IN_RADII: f64 = 4.0;
-
 /// How good a gather has to be; every limit is irradiance, W/m².
 #[derive(Clone, Copy)]
 pub(super) struct Oracle<'l> {
@@ -46,6 +43,8 @@ pub(super) struct Oracle<'l> {
     pub(super) ray: f64,
     /// A face that sends less than this even in full view is left out.
     pub(super) skip: f64,
+    /// Rays for what they tell well enough.
+    pub(super) sweep: Option<Sweep>,
 }
 
 /// Walks the cells; holds the buffers of one thread.
@@ -60,6 +59,9 @@ pub struct Gatherer<'a> {
     hiders: Vec<Option<u32>>,
     /// Cones that touch the cells on the way from the root to the cell at hand.
     touching: Vec<u32>,
+    /// For each side whether it is cut exactly, and those that are.
+    is_cut: Vec<bool>,
+    cut: Vec<usize>,
 }
 
 /// What stands between a viewpoint and a face.
@@ -83,6 +85,8 @@ impl<'a> Gatherer<'a> {
             cones: Cones::default(),
             hiders: vec![None; mesh.faces.len()],
             touching: Vec::new(),
+            is_cut: vec![false; mesh.faces.len()],
+            cut: Vec::new(),
         }
     }
 
@@ -94,15 +98,46 @@ impl<'a> Gatherer<'a> {
         oracle: &Oracle,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
+        let (mesh, roundoff) = (self.mesh, self.blockers.roundoff());
         let limits = Limits {
             skip: oracle.skip,
-            ray: oracle.ray,
+            sweep: oracle.sweep,
         };
-        let clusters = &self.mesh.clusters;
-        clusters.visit(view, oracle.sources, limits, |what| match what {
-            Source::Side(f) => self.side(view, oracle, f, sink),
-            Source::Delegate { side, times } => self.by_one_ray(view, side, times, sink),
+        let mut cut = std::mem::take(&mut self.cut);
+        mesh.clusters.visit(view, oracle.sources, limits, |f| {
+            let brightest = oracle.sources.brightest(mesh, f);
+            let arriving = mesh.faces[f].largest_form_factor(view, roundoff) * brightest;
+            let is_swept = |s: Sweep| s.is_enough(brightest, arriving);
+            if arriving > oracle.skip && !oracle.sweep.is_some_and(is_swept) {
+                cut.push(f);
+                self.is_cut[f] = true;
+            }
         });
+        for &f in &cut {
+            self.side(view, oracle, f, sink);
+        }
+        if oracle.sweep.is_some() {
+            self.swept(view, oracle, sink);
+        }
+        for f in cut.drain(..) {
+            self.is_cut[f] = false;
+        }
+        self.cut = cut;
+    }
+
+    fn walk<'w>(&self, view: &'w Viewpoint, oracle: &'w Oracle, f: usize) -> Walk<'w>
+    where
+        'a: 'w,
+    {
+        let face = &self.mesh.faces[f];
+        Walk {
+            view,
+            oracle,
+            f,
+            face,
+            tree: &self.trees[f],
+            ambient: oracle.sources.ambient * face.reflectance.0.max_element(),
+        }
     }
 
     /// What `view` sees of side `f`.
@@ -113,27 +148,12 @@ impl<'a> Gatherer<'a> {
         f: usize,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let face = &self.mesh.faces[f];
-        let ambient = oracle.sources.ambient * face.reflectance.0.max_element();
-        let largest = oracle.sources.faces[f].largest + ambient;
-        let most = face.largest_form_factor(view, self.blockers.roundoff());
-        if most <= 0.0 || most * largest <= oracle.skip {
-            return;
-        }
-        let walk = Walk {
-            view,
-            oracle,
-            f,
-            face,
-            tree: &self.trees[f],
-            ambient,
-        };
+        let walk = self.walk(view, oracle, f);
+        let most = walk
+            .face
+            .largest_form_factor(view, self.blockers.roundoff());
         // So many are enough, if each may be wrong about as much as is permitted.
-        let rays = most * largest / oracle.ray;
-        if rays <= 1.0 && face.is_far(view, FAR_IN_RADII) {
-            self.by_one_ray(view, f, 1.0, sink);
-            return;
-        }
+        let rays = most * oracle.sources.brightest(self.mesh, f) / oracle.ray;
         let outlook = if rays <= FEW_RAYS {
             Outlook::Crowd
         } else {
@@ -150,65 +170,44 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// A side far away by a ray to its middle, with so many times its own light.
-    fn by_one_ray(
+    /// What an even set of rays meets of the sides that are not cut.
+    fn swept(
         &self,
         view: &Viewpoint,
-        f: usize,
-        times: f64,
+        oracle: &Oracle,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let face = &self.mesh.faces[f];
-        let form_factor = times * face.point_form_factor(view);
-        let middle = face.middle_point;
-        if form_factor > 0.0 && self.blockers.sees(view, middle, face.domain.face) {
-            self.whole(f, form_factor / face.area / 3.0, sink);
+        let share = 1.0 / f64::from(RAYS);
+        for (face, side, point) in met(self.blockers, view, 0..RAYS) {
+            let Some(f) = self.mesh.number(face, side).filter(|&f| !self.is_cut[f]) else {
+                continue;
+            };
+            let walk = self.walk(view, oracle, f);
+            let p = walk.face.domain.frame.to_plane(point);
+            if let Some(c) = walk.cell_at(p) {
+                let weights = barycentric(walk.tree.cells[c].flat, p);
+                sink(f, c, weights.map(|w| w * share));
+            }
         }
     }
 
-    /// As [`Gatherer::visit`] by these rays of an even set alone, every face that they meet taken as a whole: right to a few
+    /// As [`Gatherer::visit`] by these rays of an even set alone, taking the light as even over whole roots: right to a few
     /// per cent.
     pub(super) fn visit_by_rays(
-        &mut self,
+        &self,
         view: &Viewpoint,
-        own: FaceId,
         rays: Range<u32>,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let count = f64::from(rays.end - rays.start);
-        let mut seen: Vec<usize> = rays
-            .filter_map(|i| {
-                let hit = self.blockers.rays().nearest_where(
-                    view.position,
-                    direction(view.horizon.normal, i),
-                    0.0,
-                    f64::INFINITY,
-                    |h| self.blockers.ray_owner(h.triangle) != own,
-                )?;
-                let side = if hit.is_front {
-                    FaceSide::Front
-                } else {
-                    FaceSide::Back
-                };
-                let key = (self.blockers.ray_owner(hit.triangle), side);
-                self.mesh
-                    .faces
-                    .binary_search_by_key(&key, |f| (f.domain.face, f.domain.side))
-                    .ok()
-            })
-            .collect();
-        seen.sort_unstable();
-        for hits in seen.chunk_by(|a, b| a == b) {
-            let share = hits.len() as f64 / count / 3.0;
-            self.whole(hits[0], share / self.mesh.faces[hits[0]].area, sink);
-        }
-    }
-
-    /// A face taken as a whole: `weight` at each corner for each square metre.
-    fn whole(&self, f: usize, weight: f64, sink: &mut impl FnMut(usize, usize, [f64; 3])) {
-        let tree = &self.trees[f];
-        for (root, cell) in tree.cells.iter().take(tree.roots as usize).enumerate() {
-            sink(f, root, [cell.area * weight; 3]);
+        let share = 1.0 / f64::from(rays.end - rays.start);
+        for (face, side, point) in met(self.blockers, view, rays) {
+            let Some(f) = self.mesh.number(face, side) else {
+                continue;
+            };
+            let p = self.mesh.faces[f].domain.frame.to_plane(point);
+            if let Some(root) = self.trees[f].root_at(p) {
+                sink(f, root, [share / 3.0; 3]);
+            }
         }
     }
 
@@ -221,6 +220,7 @@ impl<'a> Gatherer<'a> {
             link: 0.0,
             ray: 0.0,
             skip: 0.0,
+            sweep: None,
         };
         let mut sum = 0.0;
         self.visit(view, &oracle, &mut |_, _, w| sum += w[0] + w[1] + w[2]);

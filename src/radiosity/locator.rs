@@ -1,9 +1,10 @@
-//! Which element of a mesh holds a point.
+//! Which of many triangles holds a point.
 
 use crate::mesh::{ReceiverMesh, barycentric};
 use glam::DVec2;
 
-/// A uniform grid of buckets over the elements' boxes, about one element a bucket.
+/// A uniform grid of buckets over the triangles' boxes, about one triangle a bucket.
+#[derive(Clone, Debug, Default)]
 pub struct Locator {
     lo: DVec2,
     cell: DVec2,
@@ -15,13 +16,12 @@ pub struct Locator {
 impl Locator {
     /// Sorts the elements of `mesh` into buckets.
     pub fn new(mesh: &ReceiverMesh) -> Self {
-        let n = mesh.elements.len();
-        let used = || {
-            mesh.elements
-                .iter()
-                .flatten()
-                .map(|&v| mesh.plane[v as usize])
-        };
+        Self::of(mesh.elements.len(), |e| mesh.corners(e))
+    }
+
+    /// Sorts `n` triangles with these corners into buckets.
+    pub(super) fn of(n: usize, corners: impl Fn(usize) -> [DVec2; 3]) -> Self {
+        let used = || (0..n).flat_map(&corners);
         let lo = used().fold(DVec2::INFINITY, DVec2::min);
         let hi = used().fold(DVec2::NEG_INFINITY, DVec2::max);
         let side = ((n as f64).sqrt().ceil() as usize).max(1);
@@ -34,7 +34,7 @@ impl Locator {
         };
         let mut pairs = Vec::new();
         for e in 0..n {
-            let [a, b, c] = mesh.corners(e);
+            let [a, b, c] = corners(e);
             let (from, to) = (
                 locator.bucket(a.min(b).min(c)),
                 locator.bucket(a.max(b).max(c)),
@@ -62,10 +62,20 @@ impl Locator {
     /// The element that holds `p` and the barycentric coordinates there; outside all elements the one that comes nearest,
     /// with coordinates clamped to it. None when there is no element.
     pub fn locate(&self, mesh: &ReceiverMesh, p: DVec2) -> Option<(usize, [f64; 3])> {
+        self.find(mesh.elements.len(), |e| mesh.corners(e), p)
+    }
+
+    /// The same for the triangles given to [`Locator::of`].
+    pub(super) fn find(
+        &self,
+        n: usize,
+        corners: impl Fn(usize) -> [DVec2; 3],
+        p: DVec2,
+    ) -> Option<(usize, [f64; 3])> {
         let (i, j) = self.bucket(p);
         let c = j * self.side + i;
         let depth = |e: usize| {
-            let b = barycentric(mesh.corners(e), p);
+            let b = barycentric(corners(e), p);
             (e, b, b[0].min(b[1]).min(b[2]))
         };
         let deepest = |items: &mut dyn Iterator<Item = usize>| {
@@ -74,7 +84,7 @@ impl Locator {
         let range = self.starts[c] as usize..self.starts[c + 1] as usize;
         let mut found = deepest(&mut self.items[range].iter().map(|&e| e as usize));
         if found.is_none_or(|f| f.2 < 0.0) {
-            found = deepest(&mut (0..mesh.elements.len()));
+            found = deepest(&mut (0..n));
         }
         found.map(|(e, b, _)| {
             let clamped = b.map(|x| x.max(0.0));

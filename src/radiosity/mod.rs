@@ -25,6 +25,7 @@ mod rows;
 mod solve;
 mod solve_mesh;
 mod solvers;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod walk;

@@ -72,8 +72,8 @@ impl Rows<'_> {
                 |gatherer, (view, (face, i))| {
                     let mut row = Vec::new();
                     let rays = rays(face).map(|n| i * n..(i + 1) * n);
-                    self.row(gatherer, view, face, rays, &mut |link| row.push(link));
-                    row
+                    self.row(gatherer, view, rays, &mut |link| row.push(link));
+                    merged(row)
                 },
             )
             .collect();
@@ -113,12 +113,11 @@ impl Rows<'_> {
         Gatherer::new(self.mesh, self.trees, self.blockers)
     }
 
-    /// Calls `sink` with every link of `view`, which lies on `face`.
+    /// Calls `sink` with every link of `view`.
     fn row(
         &self,
         gatherer: &mut Gatherer,
         view: &Viewpoint,
-        face: &SolveFace,
         rays: Option<Range<u32>>,
         sink: &mut impl FnMut(Link),
     ) {
@@ -127,7 +126,7 @@ impl Rows<'_> {
             sink(Link { cell, weights });
         };
         match rays {
-            Some(rays) => gatherer.visit_by_rays(view, face.domain.face, rays, &mut found),
+            Some(rays) => gatherer.visit_by_rays(view, rays, &mut found),
             None => gatherer.visit(view, self.oracle, &mut found),
         }
     }
@@ -146,7 +145,7 @@ impl Rows<'_> {
                 let view = element.face.view(cell.at(w));
                 let share = weight * cell.area / area;
                 let rays = rays.map(|n| 0..n);
-                self.row(gatherer, &view, element.face, rays, &mut |link: Link| {
+                self.row(gatherer, &view, rays, &mut |link: Link| {
                     all.push(Seen {
                         cell: link.cell,
                         from: view.position,
@@ -244,6 +243,23 @@ pub fn check_size(
             })
             .sum(),
     })
+}
+
+/// One link for all to the same cell.
+fn merged(mut row: Vec<Link>) -> Vec<Link> {
+    // Stable, so that sums do not depend on how it sorts.
+    row.sort_by_key(|l| l.cell);
+    row.dedup_by(|link, first| {
+        let is_same = link.cell == first.cell;
+        if is_same {
+            for (sum, w) in first.weights.iter_mut().zip(link.weights) {
+                *sum += w;
+            }
+        }
+        is_same
+    });
+    row.shrink_to_fit();
+    row
 }
 
 /// Whether a face is no wider than elements are anyway.

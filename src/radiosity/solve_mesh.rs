@@ -2,11 +2,11 @@
 
 use super::clusters::Clusters;
 use super::locator::Locator;
-use super::reach::even_point;
+use super::sweep::even_point;
 use crate::geom::Plane;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
-use crate::scene::{EdgeId, FaceSide};
+use crate::scene::{EdgeId, FaceId, FaceSide};
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -14,6 +14,11 @@ use std::f64::consts::PI;
 /// A face with a radius below this share of the solve mesh's spacing has one value: the mean of so many points.
 const SMALL_SHARE: f64 = 0.25;
 pub(super) const SPREAD_POINTS: u32 = 4;
+
+/// With more sides than this cutting everything exactly costs more than the rest of the bake, and the mistakes of rays are
+/// spread over so many of them that they cancel: what is not bright is told by rays, and so is what a small face receives.
+/// Fewer are always cut exactly.
+const MANY_SIDES: usize = 256;
 
 /// Links are not asked to be more exact than for light that is reflected so many times over: where less than this is
 /// absorbed, openings decide.
@@ -104,9 +109,20 @@ impl SolveMesh {
         })
     }
 
+    /// The number of a side among the faces; none when it takes no part.
+    pub(super) fn number(&self, face: FaceId, side: FaceSide) -> Option<usize> {
+        let key = |f: &SolveFace| (f.domain.face, f.domain.side);
+        self.faces.binary_search_by_key(&(face, side), key).ok()
+    }
+
     /// Area of all faces, m².
     pub fn area(&self) -> f64 {
         self.faces.iter().map(|f| f.area).sum()
+    }
+
+    /// Whether there are so many sides that rays take part.
+    pub fn is_crowded(&self) -> bool {
+        self.faces.len() > MANY_SIDES
     }
 
     /// Number of elements.
@@ -230,20 +246,6 @@ impl SolveFace {
         (self.area * cosines / (PI * nearest * nearest)).min(1.0)
     }
 
-    /// Whether the face is seen from farther than `radii` times its radius.
-    pub(super) fn is_far(&self, view: &Viewpoint, radii: f64) -> bool {
-        let least = radii * self.radius;
-        self.middle_point.distance_squared(view.position) > least * least
-    }
-
-    /// The form factor of the face as a point at its middle; not positive where that is not seen.
-    pub(super) fn point_form_factor(&self, view: &Viewpoint) -> f64 {
-        let d = self.middle_point - view.position;
-        let squared = d.length_squared();
-        let cosines = view.horizon.normal.dot(d).max(0.0) * self.plane.distance(view.position);
-        cosines * self.area / (PI * squared * squared)
-    }
-
     /// A convex region that holds every line of sight from `view` to this face: the pyramid over its bounding rectangle.
     pub(super) fn region(&self, view: &Viewpoint) -> Region {
         Region::pyramid(view.position, &self.rectangle)
@@ -259,9 +261,9 @@ impl SolveFace {
                 before += self.mesh.area(element);
                 element += 1;
             }
-            let [u, v] = even_point(i);
-            let (root, p) = (u.sqrt(), self.mesh.corners(element));
-            p[0] * (1.0 - root) + p[1] * (root * (1.0 - v)) + p[2] * (root * v)
+            let at = even_point(i);
+            let (root, p) = (at.x.sqrt(), self.mesh.corners(element));
+            p[0] * (1.0 - root) + p[1] * (root * (1.0 - at.y)) + p[2] * (root * at.y)
         })
     }
 

@@ -85,6 +85,7 @@ fn one_element_a_face_lights_the_cube() {
             link: 0.0,
             ray: 0.0,
             skip: 0.0,
+            sweep: None,
         };
         let transport =
             Transport::new(&mesh, &trees, &blockers, &oracle, Basis::Constant, |_| None);

@@ -6,7 +6,7 @@ use super::gather::Oracle;
 use super::kernel::{cell_corners, split};
 use crate::direct::form_factor_of_directions;
 use crate::visibility::{Ball, Cone, Target, Viewpoint};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// A cell as seen from the viewpoint.
@@ -53,6 +53,25 @@ impl Walk<'_> {
         Target {
             corners: &self.tree.cells[c].corners,
             plane: self.face.plane,
+        }
+    }
+
+    /// The cell at `p` (frame coordinates) that is good enough as it is; none where the face has no area.
+    pub(super) fn cell_at(&self, p: DVec2) -> Option<usize> {
+        let mut c = self.tree.root_at(p)?;
+        loop {
+            let Some(seen) = self.look(c) else {
+                return Some(c);
+            };
+            let weight = seen.form_factor * seen.spread;
+            if self.strength(c).deviation * weight <= self.oracle.link {
+                return Some(c);
+            }
+            let Some(child) = self.tree.child_towards(c, p) else {
+                self.tree.expose(c, weight);
+                return Some(c);
+            };
+            c = child;
         }
     }
 

@@ -1,0 +1,121 @@
+//! An even set of rays over the hemisphere: what tells a point of all that is neither bright nor small.
+
+use crate::scene::{FaceId, FaceSide};
+use crate::visibility::{Blockers, Viewpoint};
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Fractional parts of the generalised golden ratio's powers (Roberts 2018): a sequence that fills the square evenly.
+const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+
+/// Rays of a sweep. What they do not tell is cut, so that their number changes the cost and not the error: of 128 to 16 384
+/// it is least about here, in rooms of 4 500 and 31 000 triangles, and doubles by 4 096.
+pub(super) const RAYS: u32 = 256;
+
+/// When the rays will not do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sweep {
+    /// A side about which they may be wrong by more than this (W/m²) is cut exactly.
+    pub(super) noise: f64,
+}
+
+impl Sweep {
+    /// By how much the rays may be wrong about a source of radiosity up to `brightest` whose light makes up to `arriving` of
+    /// irradiance (both W/m²).
+    ///
+    /// Random rays would be wrong by `B √(F/N)`; of an even set only those along the outline are open to chance, `√(N F)` of
+    /// them.
+    fn noise_of(brightest: f64, arriving: f64, rays: u32) -> f64 {
+        if brightest <= 0.0 {
+            return 0.0;
+        }
+        let rays = f64::from(rays);
+        let meeting = rays * (arriving / brightest).min(1.0);
+        brightest / rays * (meeting / (1.0 + meeting).sqrt()).sqrt()
+    }
+
+    /// Whether the rays will do for such a source.
+    pub(super) fn is_enough(self, brightest: f64, arriving: f64) -> bool {
+        Self::noise_of(brightest, arriving, RAYS) <= self.noise
+    }
+}
+
+/// The sides that these rays of an even set from `view` meet, and where, metres.
+pub(super) fn met<'b>(
+    blockers: &'b Blockers,
+    view: &'b Viewpoint,
+    rays: Range<u32>,
+) -> impl Iterator<Item = (FaceId, FaceSide, DVec3)> + 'b {
+    // Nothing within the weld distance of the viewpoint is seen: that is the surface it lies on.
+    let start = blockers.weld_distance();
+    rays.filter_map(move |i| {
+        let along = direction(view.horizon.normal, i);
+        let hit = blockers
+            .rays()
+            .nearest(view.position, along, start, f64::INFINITY)?;
+        let side = if hit.is_front {
+            FaceSide::Front
+        } else {
+            FaceSide::Back
+        };
+        let point = view.position + along * hit.t;
+        Some((blockers.ray_owner(hit.triangle), side, point))
+    })
+}
+
+/// Point `i` of a sequence that fills the unit square evenly.
+pub(super) fn even_point(i: u32) -> DVec2 {
+    DVec2::from(R2.map(|r| (0.5 + r * f64::from(i + 1)).fract()))
+}
+
+/// Direction `i` of a cosine-distributed set over the hemisphere about `n`.
+fn direction(n: DVec3, i: u32) -> DVec3 {
+    let point = even_point(i);
+    let (sin, cos) = (TAU * point.y).sin_cos();
+    let u = n.any_orthonormal_vector();
+    let v = n.cross(u);
+    (u * cos + v * sin) * point.x.sqrt() + n * (1.0 - point.x).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Share of the rays that meet the disc of form factor `f` around the normal: `sin² θ ≤ f`.
+    fn disc(f: f64, rays: u32) -> f64 {
+        let inside = (0..rays).filter(|&i| direction(DVec3::Z, i).truncate().length_squared() <= f);
+        inside.count() as f64 / f64::from(rays)
+    }
+
+    /// The form factor of a half-disc of directions on one side of a plane at `a` radians from the zenith, a shape that no
+    /// coordinate of the sequence is aligned with.
+    fn lune(a: f64, rays: u32) -> f64 {
+        let cut = DVec3::new(a.cos() * 0.6, a.cos() * 0.8, -a.sin());
+        let inside = (0..rays).filter(|&i| direction(DVec3::Z, i).dot(cut) > 0.0);
+        inside.count() as f64 / f64::from(rays)
+    }
+
+    #[test]
+    fn even_rays_are_wrong_by_no_more_than_they_say() {
+        let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+        for rays in [128, 512, 2048, 8192] {
+            for k in 1..100 {
+                let f = f64::from(k) / 100.0;
+                // Form factor of what lies beyond a plane through the horizon's diameter: (1 − sin a) / 2.
+                let a = f64::from(k) / 100.0 * std::f64::consts::FRAC_PI_2;
+                let beyond = 0.5 * (1.0 - a.sin());
+                for (found, known) in [(disc(f, rays), f), (lune(a, rays), beyond)] {
+                    let off = (found - known).abs() / Sweep::noise_of(1.0, known, rays);
+                    worst = worst.max(off);
+                    squares += off * off;
+                    count += 1.0;
+                }
+            }
+        }
+        // A standard deviation, not a bound; the sequence is better than that on most.
+        assert!(worst < 3.0, "{worst}");
+        let rms = f64::sqrt(squares / count);
+        assert!((0.1..1.0).contains(&rms), "{rms}");
+    }
+}

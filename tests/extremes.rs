@@ -5,8 +5,7 @@ use crate::common::library::world_of_mesh;
 use crate::common::obj_lite::ObjMesh;
 use std::f64::consts::PI;
 use std::time::Instant;
-use umbrage::pipeline::Solution;
-use umbrage::quantity::Rgb;
+use umbrage::pipeline::{MEASURE_SLACK, Solution};
 use umbrage::radiosity::Bounces;
 
 /// Error asked for.
@@ -53,21 +52,13 @@ fn lamp(mesh: &mut ObjMesh, at: [f64; 2], half: f64, y: f64, exitance: f64) {
     mesh.add(&corners, 0.0, exitance / PI);
 }
 
-/// Power absorbed by reflecting sides and lamps against the power emitted, relative to all that arrives.
+/// What the account of the energy is off by, relative to all that arrives on what reflects.
 fn imbalance(solution: &Solution) -> f64 {
-    let scene = &solution.world.scene;
-    let (mut absorbed, mut arriving, mut emitted) = (0.0, 0.0, 0.0);
-    for r in solution.receivers.iter().filter(|r| r.is_lit) {
-        let power = r.power();
-        let kept = Rgb::grey(1.0) + scene.material_of(r.domain.face).reflectance * -1.0;
-        absorbed += (power.0 * kept).mean();
-        arriving += power.mean();
-    }
-    for (_, emitter) in scene.emitters.iter() {
-        let face = &scene.faces[emitter.face];
-        emitted += face.emission.mean() * PI * face.area;
-    }
-    (absorbed - emitted).abs() / arriving
+    let lit = solution.receivers.iter().filter(|r| r.is_lit);
+    let arriving: f64 = lit.map(|r| r.power().mean()).sum();
+    let energy = solution.energy().expect("all bounces are followed");
+    let emitted = energy.emitted_w.iter().sum::<f64>() / 3.0;
+    (energy.imbalance * emitted / arriving).abs()
 }
 
 /// Bakes, and holds the light to what must be true of it.
@@ -98,7 +89,11 @@ fn check(name: &str, mesh: &ObjMesh, error: f64) {
             );
         }
     }
-    assert!(s.measured.relative_rms <= error, "{name}: {:?}", s.measured);
+    assert!(
+        s.measured.relative_rms <= (1.0 + MEASURE_SLACK) * error,
+        "{name}: {:?}",
+        s.measured
+    );
     assert!(off <= error, "{name}: out of balance by {off}");
 }
 

@@ -134,7 +134,7 @@ fn the_cornell_box_is_what_paths_find() {
 #[test]
 fn a_box_on_a_table_is_what_paths_find() {
     let effort = Effort {
-        points: 1200,
+        points: 4800,
         paths: 200,
     };
     check(&raw("box-on-table"), 0.03, effort);

@@ -32,7 +32,7 @@ const KRONECKER: [f64; 4] = [
 pub struct Energy {
     /// What the emitters send out.
     pub emitted_w: [f64; 3],
-    /// What stays: of the light that the meshes show, and what falls on sides that reflect nothing and have no mesh.
+    /// What stays: of the light that the meshes show, and what falls on lamps and backs that reflect nothing.
     pub absorbed_w: [f64; 3],
     /// What leaves the scene, by rays.
     pub escaped_w: [f64; 3],
@@ -78,7 +78,7 @@ impl Source {
 enum End {
     /// Outside.
     Escaped,
-    /// On a side for which there is no mesh: it reflects nothing.
+    /// On a side whose light no mesh shows: it reflects nothing.
     Black,
     /// On a side that the meshes tell of.
     Told,
@@ -239,8 +239,7 @@ fn end(solution: &Solution, source: &Source, point: DVec3, u: [f64; 2]) -> End {
     } else {
         FaceSide::Back
     };
-    match world.scene.receives(blockers.ray_owner(hit.triangle), side) {
-        true => End::Told,
-        false => End::Black,
-    }
+    let face = blockers.ray_owner(hit.triangle);
+    let is_told = world.scene.receives(face, side) && !world.scene.faces[face].is_pure_emitter();
+    if is_told { End::Told } else { End::Black }
 }

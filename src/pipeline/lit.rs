@@ -1,4 +1,4 @@
-//! Which sides light reaches, and about how much.
+//! Which sides show the light that reaches them, and about how much there is.
 
 use super::World;
 use crate::direct::DirectLight;
@@ -21,7 +21,8 @@ const GUESS_POINTS: u32 = 1024;
 /// Multiples of these fill the square evenly (Roberts 2018).
 const SPREAD: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
-/// Which sides light reaches: directly (it shows at coarse points, or draws a line), or by way of other sides.
+/// Which sides show light that reaches them: directly (it shows at coarse points, or draws a line), or by way of other
+/// sides. A lamp that reflects nothing shows its own light alone.
 pub(super) fn lit_sides(
     world: &World,
     direct: &DirectLight,
@@ -42,11 +43,15 @@ pub(super) fn lit_sides(
             is_lit(direct, views, &beside, scratch)
         })
         .collect();
-    if with_bounces {
+    let mut lit = if with_bounces {
         reached(&world.blockers, sides, &views, &lit)
     } else {
         lit
+    };
+    for (lit, &(face, _)) in lit.iter_mut().zip(sides) {
+        *lit &= !scene.faces[face].is_pure_emitter();
     }
+    lit
 }
 
 /// The middles of a side's triangles.

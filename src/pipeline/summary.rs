@@ -56,7 +56,7 @@ pub struct Summary {
     pub line_counts: Vec<LineCount>,
     /// Sides of faces that may receive light.
     pub sides: usize,
-    /// Of these, sides that light reaches.
+    /// Of these, sides that show light which reaches them.
     pub lit_sides: usize,
     /// Area of the lit sides, m².
     pub lit_area_m2: f64,
@@ -162,7 +162,7 @@ impl Summary {
         if self.sides > self.lit_sides {
             say(
                 format!("{} of {} sides", self.sides - self.lit_sides, self.sides),
-                "no light reaches them",
+                "no light reaches them, or they are lamps that reflect nothing",
             );
         }
         if self.lines.is_partial {

@@ -112,6 +112,11 @@ pub struct Face {
 }
 
 impl Face {
+    /// Whether it emits and reflects nothing: what falls on it is never seen.
+    pub fn is_pure_emitter(&self) -> bool {
+        !self.emission.0.is_black() && self.reflectance.is_black()
+    }
+
     /// Unit normal by which the front is shaded at local point `p`: that of the curved surface where there is one.
     pub fn shading_normal(&self, p: DVec3) -> DVec3 {
         let curved = self

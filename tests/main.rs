@@ -11,6 +11,7 @@
 //! - `extremes`: stiff scenes and extreme ones.
 //! - `furnace`: closed rooms lose no light.
 //! - `golden`: pictures of lit fixtures stay what they are.
+//! - `growth`: what a larger building costs.
 //! - `honest`: the error asked for is the error found.
 //! - `layering`: no stage of the library uses a later one.
 //! - `lines`: the lines on the receivers, where closed forms say.
@@ -39,6 +40,7 @@ mod extremes;
 mod form_factors;
 mod furnace;
 mod golden;
+mod growth;
 mod honest;
 mod kinks;
 mod layering;

@@ -424,3 +424,6 @@ impl<'a> Gatherer<'a> {
         sum
     }
 }
+
+#[cfg(test)]
+mod tests;

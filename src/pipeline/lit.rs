@@ -35,19 +35,33 @@ pub(super) fn lit_sides(
         .iter()
         .map(|&(face, side)| views(scene, face, side))
         .collect();
-    let lit: Vec<bool> = sides
+    let beside: Vec<Vec<Viewpoint>> = sides
         .par_iter()
-        .zip(&views)
-        .map_init(Scratch::default, |scratch, (&(face, side), views)| {
-            let beside = beside_lines(scene, lines.of(face, side));
-            is_lit(direct, views, &beside, scratch)
+        .map(|&(face, side)| beside_lines(scene, lines.of(face, side)))
+        .collect();
+    let spread = |lit: Vec<bool>| match with_bounces {
+        true => reached(&world.blockers, sides, &views, &lit),
+        false => lit,
+    };
+    let points = |i: usize| views[i].iter().chain(&beside[i]);
+    let mut lit = spread(
+        (0..sides.len())
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, i| {
+                shows_emitter(direct, points(i), scratch)
+            })
+            .collect(),
+    );
+    // Exact cutting is dear, and few sides are left to it.
+    let found: Vec<bool> = (0..sides.len())
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, i| {
+            !lit[i] && shows_part_of_emitter(direct, points(i), scratch)
         })
         .collect();
-    let mut lit = if with_bounces {
-        reached(&world.blockers, sides, &views, &lit)
-    } else {
-        lit
-    };
+    if found.contains(&true) {
+        lit = spread(lit.iter().zip(found).map(|(&a, b)| a || b).collect());
+    }
     for (lit, &(face, _)) in lit.iter_mut().zip(sides) {
         *lit &= !scene.faces[face].is_pure_emitter();
     }
@@ -65,19 +79,22 @@ fn views(scene: &Scene, face: FaceId, side: FaceSide) -> Vec<Viewpoint> {
         .collect()
 }
 
-/// Whether one of the viewpoints sees an emitter.
-fn is_lit(
+/// Whether one of the viewpoints sees the middle of an emitter: most that is lit does.
+fn shows_emitter<'v>(
     direct: &DirectLight,
-    views: &[Viewpoint],
-    beside: &[Viewpoint],
+    mut views: impl Iterator<Item = &'v Viewpoint>,
     scratch: &mut Scratch,
 ) -> bool {
-    let all = || views.iter().chain(beside);
-    // Most that is lit sees the middle of an emitter.
-    if all().any(|v| direct.by_rays(v, scratch).mean() > 0.0) {
-        return true;
-    }
-    all().filter(|v| direct.rises(v)).any(|v| {
+    views.any(|v| direct.by_rays(v, scratch).mean() > 0.0)
+}
+
+/// Whether one of the viewpoints sees any of an emitter.
+fn shows_part_of_emitter<'v>(
+    direct: &DirectLight,
+    views: impl Iterator<Item = &'v Viewpoint>,
+    scratch: &mut Scratch,
+) -> bool {
+    views.filter(|v| direct.rises(v)).any(|v| {
         // What the cutting of cones leaves of a hidden emitter is no light.
         let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
         direct.irradiance(v, scratch).mean() > least

@@ -24,30 +24,24 @@ pub fn reached(
     if reached.iter().all(|&r| r) {
         return reached;
     }
-    // What each dark side sees, as indices into `sides`.
-    let seen: Vec<Vec<u32>> = views
+    let seen: Vec<Seen> = views
         .par_iter()
         .zip(lit)
-        .map(|(views, &is_lit)| {
-            let mut seen = Vec::new();
-            if !is_lit {
-                for view in views {
-                    for (face, side, _) in met(blockers, view, 0..RAYS) {
-                        if let Ok(k) = sides.binary_search(&(face, side)) {
-                            seen.push(k as u32);
-                        }
-                    }
-                }
-                seen.sort_unstable();
-                seen.dedup();
-            }
-            seen
+        .map(|(views, &is_lit)| match is_lit {
+            true => Seen::Light,
+            false => look(blockers, sides, views, lit),
         })
         .collect();
+    for (reached, seen) in reached.iter_mut().zip(&seen) {
+        *reached |= matches!(seen, Seen::Light);
+    }
     loop {
         let mut is_done = true;
         for i in 0..sides.len() {
-            if !reached[i] && seen[i].iter().any(|&k| reached[k as usize]) {
+            if let Seen::Dark(seen) = &seen[i]
+                && !reached[i]
+                && seen.iter().any(|&k| reached[k as usize])
+            {
                 reached[i] = true;
                 is_done = false;
             }
@@ -56,4 +50,33 @@ pub fn reached(
             return reached;
         }
     }
+}
+
+/// What a side sees.
+enum Seen {
+    /// A lit side.
+    Light,
+    /// Nothing but these dark sides, their indices.
+    Dark(Vec<u32>),
+}
+
+fn look(
+    blockers: &Blockers,
+    sides: &[(FaceId, FaceSide)],
+    views: &[Viewpoint],
+    lit: &[bool],
+) -> Seen {
+    let mut dark = Vec::new();
+    for view in views {
+        for (face, side, _) in met(blockers, view, 0..RAYS) {
+            match sides.binary_search(&(face, side)) {
+                Ok(k) if lit[k] => return Seen::Light,
+                Ok(k) => dark.push(k as u32),
+                Err(_) => {}
+            }
+        }
+    }
+    dark.sort_unstable();
+    dark.dedup();
+    Seen::Dark(dark)
 }

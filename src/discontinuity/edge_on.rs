@@ -25,6 +25,7 @@ use crate::visibility::{Region, Scratch, Viewpoint};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use smallvec::SmallVec;
+use std::collections::HashMap;
 
 /// The lines of all faces' planes, for all emitters.
 pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
@@ -146,11 +147,37 @@ impl<'s> Strip<'s> {
         let Some(view) = self.view(light) else {
             return;
         };
+        let own = self.ends_of_faces(&view);
         for cell in view.cells() {
             for stretch in &cell.lit {
-                out.extend(self.landing(&view, &cell, stretch));
+                out.extend(self.landing(&view, &own, &cell, stretch));
             }
         }
+    }
+
+    /// What each face has of the line in which it meets the plane.
+    fn ends_of_faces(&self, view: &PlaneView) -> HashMap<FaceId, [DVec3; 2]> {
+        let mut found: HashMap<FaceId, [DVec3; 2]> = HashMap::new();
+        for obstacle in &view.obstacles {
+            let Some(face) = obstacle.face else { continue };
+            let line = self.line(face);
+            for p in obstacle.ends.map(|i| view.points[i as usize].1) {
+                let [first, last] = found.entry(face).or_insert([p; 2]);
+                if line.dot(p) < line.dot(*first) {
+                    *first = p;
+                }
+                if line.dot(p) > line.dot(*last) {
+                    *last = p;
+                }
+            }
+        }
+        found
+    }
+
+    /// Along the line in which a face meets the plane.
+    fn line(&self, face: FaceId) -> DVec3 {
+        let plane = self.scene.faces[face].frame.plane();
+        plane.normal.cross(self.plane.normal)
     }
 
     /// The plane with the face's corners ahead of the emitter and all that rays past them meet.
@@ -236,23 +263,19 @@ impl<'s> Strip<'s> {
     }
 
     /// All that the points of a cell light of a stretch.
-    fn landing(&self, view: &PlaneView, cell: &Cell, stretch: &Stretch) -> Option<Landing> {
+    fn landing(
+        &self,
+        view: &PlaneView,
+        own: &HashMap<FaceId, [DVec3; 2]>,
+        cell: &Cell,
+        stretch: &Stretch,
+    ) -> Option<Landing> {
         let scene = self.scene;
         let plane = scene.faces[stretch.face].frame.plane();
-        let line = plane.normal.cross(self.plane.normal);
+        let line = self.line(stretch.face);
         let along = |p: DVec3| line.dot(p);
-        // What the face has of the line; rays to the ends of a cell may graze it, and meet it anywhere.
-        let own = view
-            .obstacles
-            .iter()
-            .filter(|o| o.face == Some(stretch.face));
-        let own = || {
-            own.clone()
-                .flat_map(|o| o.ends)
-                .map(|i| view.points[i as usize].1)
-        };
-        let first = own().min_by(|p, q| along(*p).total_cmp(&along(*q)))?;
-        let last = own().max_by(|p, q| along(*p).total_cmp(&along(*q)))?;
+        // Rays to the ends of a cell may graze the face, and meet its plane anywhere.
+        let [first, last] = *own.get(&stretch.face)?;
         let hit = |share: f64, feature: Feature| {
             let apex = self.cut[0].lerp(self.cut[1], share);
             let through = match view.position(feature) {

@@ -26,8 +26,8 @@ pub struct Settings {
     pub exposure: Exposure,
     /// Seed of the points at which the error is measured.
     pub seed: u64,
-    /// Number of these points.
-    pub samples: u32,
+    /// Number of these points; by the number of lit sides when left out.
+    pub samples: Option<u32>,
 }
 
 impl Default for Settings {
@@ -42,7 +42,7 @@ impl Default for Settings {
             clean: CleanSettings::default(),
             exposure: Exposure::Auto,
             seed: 1,
-            samples: 1000,
+            samples: None,
         }
     }
 }

@@ -175,7 +175,7 @@ fn ratios_at_other_errors() {
 /// Direct light only, measured at enough points that the slope is not theirs.
 fn direct_only() -> Settings {
     Settings {
-        samples: 4000,
+        samples: Some(4000),
         ..settings(0.01, Bounces::Count(0))
     }
 }

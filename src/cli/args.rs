@@ -74,9 +74,9 @@ pub(super) struct SceneArgs {
     /// Seed of the points at which the error is measured
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
-    /// Number of points at which the error is measured
-    #[arg(long, default_value_t = 1000)]
-    pub(super) samples: u32,
+    /// Number of points at which the error is measured; 1000 to 5000, one for four lit sides, when left out
+    #[arg(long)]
+    pub(super) samples: Option<u32>,
     /// Below this distance two points are the same point, metres; a millionth of the scene when left out
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub(super) weld: Option<f64>,

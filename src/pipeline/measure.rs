@@ -29,6 +29,18 @@ pub struct Measured {
 /// Indirect light is gathered at one of so many points: it is far dearer than direct light, and its field far smoother.
 const GATHER_STRIDE: usize = 4;
 
+/// Where it is not said at how many points: one for each so many lit sides, and how few and many at all. A few bright spots
+/// among tens of thousands of sides decide, which a thousand points find or do not.
+const SIDES_PER_SAMPLE: usize = 4;
+const FEWEST_SAMPLES: usize = 1000;
+const MOST_SAMPLES: usize = 5000;
+
+/// Points at which to measure when it is not said.
+pub(super) fn default_samples(solution: &Solution) -> u32 {
+    let lit = solution.receivers.iter().filter(|r| r.is_lit).count();
+    (lit / SIDES_PER_SAMPLE).clamp(FEWEST_SAMPLES, MOST_SAMPLES) as u32
+}
+
 /// A permuted congruential generator (O'Neill 2014, XSH RR 64/32): the same points for the same seed on every machine.
 struct Pcg(u64);
 

@@ -2,6 +2,7 @@
 
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
+use super::measure::default_samples;
 use super::{LightError, Progress, Solution, Summary, World, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
@@ -51,9 +52,9 @@ const MISSED_MARGIN: f64 = 0.9;
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
 const MAX_ROUNDS: usize = 4;
 
-/// The solution is corrected by its own residual until a correction is below this share of the permitted error: what it
-/// leaves to the next one is smaller by far.
-const CORRECTION_SHARE: f64 = 0.4;
+/// The solution is corrected by its own residual until all further corrections together would stay below this share of the
+/// permitted error, if each is smaller than the one before by as much as the last.
+const CORRECTION_SHARE: f64 = 0.2;
 
 /// The first correction is made once the field is within this many times its permitted error.
 const FIRST_CORRECTION: f64 = 3.0;
@@ -63,7 +64,7 @@ const FIRST_CORRECTION: f64 = 3.0;
 const CORRECTED_SLACK: f64 = 1.25;
 
 /// Corrections at most, a round.
-const MAX_CORRECTIONS: usize = 4;
+const MAX_CORRECTIONS: usize = 8;
 
 /// What the parts of a bake may be off by, as shares of the error asked for.
 pub(super) struct Aim {
@@ -257,7 +258,10 @@ impl<'r, 'p> Run<'r, 'p> {
                 self.refine_display(aim, receivers, &solution.direct, indirect, 0.0)?;
             }
             self.start("measure");
-            let measured = solution.measure(settings.samples, settings.seed + round as u64);
+            let samples = settings
+                .samples
+                .unwrap_or_else(|| default_samples(solution));
+            let measured = solution.measure(samples, settings.seed + round as u64);
             let summary = &mut self.summary;
             summary.measured = measured;
             summary.rounds = round + 1;
@@ -282,6 +286,7 @@ impl<'r, 'p> Run<'r, 'p> {
     ) -> Result<(), MeshError> {
         let error = self.settings.error;
         let shown = Shown::new(receivers, field.mesh().faces.len());
+        let mut before = f64::INFINITY;
         for step in 0..MAX_CORRECTIONS {
             if self.meter.is_used_up() {
                 break;
@@ -302,9 +307,12 @@ impl<'r, 'p> Run<'r, 'p> {
             self.start("correct");
             let corrected = field.correct(|_, f, p| shown.direct(f, p));
             self.summary.corrections.push(corrected / mean);
-            if step > 0 && corrected <= CORRECTION_SHARE * error * mean {
+            // The sum of a geometric series, c²/b + c³/b² + … = c²/(b − c).
+            let permitted = CORRECTION_SHARE * error * mean;
+            if step > 0 && corrected * corrected <= permitted * (before - corrected) {
                 break;
             }
+            before = corrected;
         }
         Ok(())
     }

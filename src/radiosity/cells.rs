@@ -12,6 +12,7 @@
 //! (Hanrahan, Salzman & Aupperle 91; linear bases as in Gortler, Schröder, Cohen & Hanrahan 93).
 
 use super::greatest::Greatest;
+use super::held::Held;
 use super::locator::Locator;
 use super::{Basis, SolveFace};
 use crate::form_factor::RADON;
@@ -358,9 +359,10 @@ impl FaceLight {
         }
     }
 
-    /// Adds to every leaf the projection of `more(point)` (frame coordinates).
-    pub(super) fn add(&mut self, tree: &FaceCells, more: impl Fn(DVec2) -> Radiosity) {
-        for i in tree.leaves() {
+    /// Adds to every leaf that is not held the projection of `more(point)` (frame coordinates).
+    pub(super) fn add(&mut self, tree: &FaceCells, held: &Held, more: impl Fn(DVec2) -> Radiosity) {
+        let is_held = held.cells(tree);
+        for i in tree.leaves().filter(|&i| !is_held[i]) {
             let added = CellLight::sampled(|w| more(tree.cells[i].at(w)));
             let now = &mut self.cells[i];
             let both = [0, 1, 2].map(|k| now.corners[k] + added.corners[k]);
@@ -391,6 +393,11 @@ impl FaceLight {
         }
         found.pull(tree);
         found
+    }
+
+    /// The square of the light of cell `c`, mean over the channels, integrated over the cell, W²/m².
+    pub(super) fn square(&self, tree: &FaceCells, c: usize) -> f64 {
+        tree.cells[c].area * self.cells[c].square.mean()
     }
 
     fn summarise(&mut self, tree: &FaceCells) {

@@ -16,6 +16,7 @@ use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::clusters::Sources;
 use super::field_face::FieldFace;
 use super::gather::Oracle;
+use super::held::{Held, looks_into_gap};
 use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
@@ -102,6 +103,8 @@ pub struct IndirectField<'a> {
     /// Links of the coarse mesh, for what the corrections cause in their turn.
     transport: Transport,
     faces: Vec<FieldFace>,
+    /// What of each face the links have no say in.
+    held: Vec<Held>,
     request: Request,
     /// Gathers made.
     gathers: usize,
@@ -264,11 +267,26 @@ impl<'a> IndirectField<'a> {
         let mut sources = Sources::new(&mesh, light, ambient);
         let oracle = oracle(&mesh, &sources, accuracy, accuracy / loss, 0.0);
         let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
-        let transport = Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
-            let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
-            let points = if face.is_small { SPREAD_POINTS } else { 1 };
-            request.rays.map(|n| n / points).or(small)
-        });
+        let mut transport =
+            Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
+                let small = (is_crowded && face.is_small).then_some(SMALL_FACE_RAYS);
+                let points = if face.is_small { SPREAD_POINTS } else { 1 };
+                request.rays.map(|n| n / points).or(small)
+            });
+        // Only corrections bring back what is held.
+        let is_corrected = request.bounces == Bounces::All;
+        let held: Vec<Held> = trees
+            .par_iter()
+            .zip(&mesh.faces)
+            .map(|(tree, face)| {
+                Held::new(tree, |cell| {
+                    is_corrected && looks_into_gap(face, cell, blockers)
+                })
+            })
+            .collect();
+        for (f, held) in held.iter().enumerate() {
+            transport.hold(f, held);
+        }
         let (values, report) = transport.solve(&mesh, &mut sources.faces, request.method())?;
         let solution = Coarse {
             light: Sources::new(&mesh, sources.faces, 0.0),
@@ -288,6 +306,7 @@ impl<'a> IndirectField<'a> {
             solution,
             transport,
             faces,
+            held,
             request,
             estimated_rms: 0.0,
         };
@@ -343,6 +362,7 @@ impl<'a> IndirectField<'a> {
             if bought == 0 {
                 break;
             }
+            self.held.iter_mut().for_each(Held::forget);
         }
         Ok(())
     }
@@ -366,6 +386,11 @@ impl<'a> IndirectField<'a> {
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
+        for (f, (light, tree)) in residual.iter().zip(&solution.trees).enumerate() {
+            if self.held[f].note(tree, light) {
+                self.transport.hold(f, &self.held[f]);
+            }
+        }
         // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
         let once = self.transport.gather_all(&residual);
         let mut coarse = residual.clone();
@@ -376,11 +401,12 @@ impl<'a> IndirectField<'a> {
         let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
         let (all, further) = (self.transport.field(&all), self.transport.field(&further));
         let trees = &solution.trees;
+        let held = &self.held;
         new.par_iter_mut()
             .zip(&mesh.faces)
             .enumerate()
             .for_each(|(f, (light, face))| {
-                light.add(&trees[f], |p| {
+                light.add(&trees[f], &held[f], |p| {
                     Radiosity(face.reflectance * all.at(face, f, p).0)
                 });
             });

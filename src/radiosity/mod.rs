@@ -17,6 +17,7 @@ mod field;
 mod field_face;
 mod gather;
 mod greatest;
+mod held;
 mod kernel;
 mod locator;
 mod nodes;

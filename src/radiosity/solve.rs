@@ -6,6 +6,7 @@
 
 use super::cells::{CellLight, FaceCells, FaceLight};
 use super::gather::Oracle;
+use super::held::Held;
 use super::nodes::{FaceNodes, NodalField};
 use super::rows::Rows;
 use super::solvers::{self, Block, Corners, Leaf, Outcome, Parent, Problem, System};
@@ -166,6 +167,13 @@ impl Transport {
             residual,
             shots: outcome.shots,
             is_settled: outcome.is_settled && residual.is_finite(),
+        }
+    }
+
+    /// From now on what is `held` of face number `f` sends nothing of what it receives from others.
+    pub(super) fn hold(&mut self, f: usize, held: &Held) {
+        if held.any() {
+            self.system.hold(f, &held.cells(&self.trees[f]));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::clusters::Clusters;
 use super::locator::Locator;
-use super::sweep::even_point;
+use super::sweep::even_point_in;
 use crate::geom::Plane;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
@@ -261,9 +261,7 @@ impl SolveFace {
                 before += self.mesh.area(element);
                 element += 1;
             }
-            let at = even_point(i);
-            let (root, p) = (at.x.sqrt(), self.mesh.corners(element));
-            p[0] * (1.0 - root) + p[1] * (root * (1.0 - at.y)) + p[2] * (root * at.y)
+            even_point_in(self.mesh.corners(element), i)
         })
     }
 

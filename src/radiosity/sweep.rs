@@ -65,8 +65,15 @@ pub(super) fn met<'b>(
 }
 
 /// Point `i` of a sequence that fills the unit square evenly.
-pub(super) fn even_point(i: u32) -> DVec2 {
+fn even_point(i: u32) -> DVec2 {
     DVec2::from(R2.map(|r| (0.5 + r * f64::from(i + 1)).fract()))
+}
+
+/// Point `i` of a sequence that fills a triangle evenly.
+pub(super) fn even_point_in([a, b, c]: [DVec2; 3], i: u32) -> DVec2 {
+    let at = even_point(i);
+    let root = at.x.sqrt();
+    a * (1.0 - root) + b * (root * (1.0 - at.y)) + c * (root * at.y)
 }
 
 /// Direction `i` of a cosine-distributed set over the hemisphere about `n`.

@@ -33,7 +33,7 @@ fn errors_are_those_that_the_program_measures_by_itself() {
     let settings = Settings {
         error: 0.05,
         bounces: Bounces::Count(0),
-        samples: 4000,
+        samples: Some(4000),
         ..Settings::default()
     };
     let world = World::new(&square_over_square(), &settings).unwrap();

@@ -8,7 +8,7 @@ use serde_json::Value;
 fn with_solution(check: impl FnOnce(&Solution)) {
     let settings = Settings {
         error: 0.2,
-        samples: 100,
+        samples: Some(100),
         ..Settings::default()
     };
     let world = World::new(&cornell_box(), &settings).unwrap();

@@ -42,3 +42,17 @@ fn cells_follow_the_light_where_something_is_close() {
     let found = Errors::measure(&solution, fine.as_ref(), 4000, 7);
     assert!(found.solution < 0.6 * ASKED, "{found:?}");
 }
+
+#[test]
+fn a_gap_between_two_boards_does_not_fill_with_light() {
+    let world = regression_world("crossing-boards");
+    let solution = bake(&world, ASKED, Bounces::All);
+    let energy = solution.energy().expect("all bounces are followed");
+    assert!(energy.is_balanced, "{energy:?}");
+    let corrections = &solution.summary.corrections;
+    // Where they led away from the solution, the first one was ten times the mean.
+    let [first, .., last] = corrections[..] else {
+        panic!("{corrections:?}");
+    };
+    assert!(first < 0.2 && last < 0.3 * first, "{corrections:?}");
+}

@@ -88,6 +88,15 @@ impl System {
         }
     }
 
+    /// From now on those leaves of block `b` for which `is_held` (by cell) send nothing of what its nodes receive.
+    pub(in crate::radiosity) fn hold(&mut self, b: usize, is_held: &[bool]) {
+        for leaf in &mut self.blocks[b].leaves {
+            if is_held[leaf.cell as usize] {
+                leaf.nodes.clear();
+            }
+        }
+    }
+
     /// The blocks, in the order of their nodes and cells.
     pub(in crate::radiosity) fn blocks(&self) -> &[Block] {
         &self.blocks

@@ -2,4 +2,5 @@
 
 mod analytic;
 mod fixtures;
+mod outlook;
 mod regressions;

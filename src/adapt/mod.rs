@@ -45,7 +45,7 @@ pub enum Meshing {
 pub struct Illumination<'a> {
     /// Straight from the emitters, exact.
     pub direct: &'a DirectLight<'a>,
-    /// What the direct light may be off by at a point, W/m²: 0 where it is to be exact.
+    /// What the direct light may be off by at a point of a face that is not minor, W/m²: 0 where it is to be exact.
     pub tolerance: f64,
     /// By way of other faces, once it is known.
     pub indirect: Option<&'a IndirectField<'a>>,
@@ -74,12 +74,6 @@ const THINNINGS: usize = 3;
 /// The squared error falls with the square of the number of elements, so that of N elements, two a point, one point is
 /// worth 4/N of it.
 const THIN_SHARE: f64 = 0.5;
-
-/// A face with less than this share of the lit area is minor: where the middle of an element agrees, so do its edges.
-///
-/// Real scenes have tens of thousands of them, and what one of them may hide from its corners and its middle is nothing to the
-/// whole.
-const MINOR_SHARE: f64 = 1e-4;
 
 /// Dividing an element adds a point, and so two elements; a line adds more.
 const ELEMENTS_A_MARK: usize = 2;
@@ -151,7 +145,7 @@ impl Errors {
         let target = error * (power / area + mean_besides);
         receivers
             .par_iter_mut()
-            .for_each(|r| r.update_errors(light, target, MINOR_SHARE * area, is_fitted));
+            .for_each(|r| r.update_errors(light, target, is_fitted));
         let mut squares: Vec<f64> = receivers.iter().flat_map(Receiver::open_errors).collect();
         squares.sort_unstable_by(f64::total_cmp);
         let settled: f64 = receivers.iter().map(Receiver::settled_error).sum();

@@ -3,11 +3,12 @@
 use super::Illumination;
 use super::breaks::Rank;
 use super::fit::fit;
-use super::samples::{ElementError, Samples, direct_at};
+use super::samples::{ElementError, Samples};
+use crate::direct::Outlook;
 use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Irradiance;
-use crate::scene::{FaceId, FaceSide, Scene};
+use crate::scene::{FaceId, FaceSide, Scene, Size};
 use crate::visibility::Viewpoint;
 use glam::DVec2;
 
@@ -31,6 +32,10 @@ pub struct Receiver {
     pub lines: FaceLines,
     /// Whether any light reaches it; the others keep their first mesh and stay black.
     pub is_lit: bool,
+    /// How much it matters; an element of a minor face agrees at its edges where it does in the middle.
+    pub size: Size,
+    /// Of a tiny face, what its middle sees of the emitters.
+    pub(super) outlook: Option<Outlook>,
     /// Direct and indirect irradiance that there is at the sites of `mesh`, W/m².
     pub(super) exact: [Vec<Irradiance>; 2],
     pub(super) kept: Vec<bool>,
@@ -73,6 +78,8 @@ impl Receiver {
             indirect: Vec::new(),
             solve_face: None,
             is_lit: true,
+            size: Size::default(),
+            outlook: None,
             exact: [Vec::new(), Vec::new()],
             kept: vec![false; candidates.len()],
             breaks: vec![0.0; candidates.len()],
@@ -143,7 +150,7 @@ impl Receiver {
 
     /// Direct and indirect irradiance at a point of the plane.
     pub fn total(&self, light: &Illumination, p: DVec2) -> Irradiance {
-        direct_at(light, &self.view(p)) + self.indirect_at(light, p)
+        self.direct_at(light, p) + self.indirect_at(light, p)
     }
 
     /// Forgets what was known of the errors: the indirect light has changed.
@@ -175,6 +182,9 @@ impl Receiver {
         let mut mesh = self.domain.mesh(&kept, &self.points)?;
         self.errors.clear();
         if self.is_lit {
+            if self.size == Size::Tiny && self.lines.contacts.is_empty() && self.outlook.is_none() {
+                self.look_out(light, &mesh);
+            }
             self.exact = self.light_at_sites(light, &mesh);
             if let Some(limit) = limit {
                 self.turn_diagonals(light, &mut mesh, limit);
@@ -188,21 +198,13 @@ impl Receiver {
         Ok(())
     }
 
-    /// Measures the interpolation errors of elements that are new – of a face up to the area `minor` (m²) only briefly – and
-    /// with `is_fitted` fits the values to the light.
-    pub(super) fn update_errors(
-        &mut self,
-        light: &Illumination,
-        target: f64,
-        minor: f64,
-        is_fitted: bool,
-    ) {
+    /// Measures the interpolation errors of elements that are new, and with `is_fitted` fits the values to the light.
+    pub(super) fn update_errors(&mut self, light: &Illumination, target: f64, is_fitted: bool) {
         if !self.is_lit || !self.errors.is_empty() {
             return;
         }
         let mesh = std::mem::take(&mut self.mesh);
-        let is_minor = self.area() <= minor;
-        self.errors = self.measure_all(light, &mesh, target, is_minor);
+        self.errors = self.measure_all(light, &mesh, target);
         let mut added = [0, 1].map(|i| vec![Irradiance::ZERO; self.exact[i].len()]);
         if is_fitted {
             let of =
@@ -266,6 +268,12 @@ impl Receiver {
                 continue;
             }
             self.is_stale = true;
+            if self.outlook.take().is_some() {
+                // It matters after all: first all its points look for themselves.
+                self.size = Size::Minor;
+                self.samples.forget();
+                break;
+            }
             if !self.keep_line(light, &mesh, e, target) {
                 let point = self.division(&mesh, e);
                 self.points.push(point);

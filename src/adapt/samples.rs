@@ -4,7 +4,8 @@ use super::misfit::Misfit;
 use super::{Illumination, Receiver};
 use crate::mesh::{GridPoint, ReceiverMesh, barycentric};
 use crate::quantity::Irradiance;
-use crate::visibility::{Scratch, Viewpoint};
+use crate::scene::Size;
+use crate::visibility::Scratch;
 use glam::DVec2;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -92,15 +93,13 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Direct irradiance at `view` as the refinement needs it, W/m².
-pub(super) fn direct_at(light: &Illumination, view: &Viewpoint) -> Irradiance {
-    SCRATCH.with_borrow_mut(|scratch| {
-        let direct = light.direct;
-        direct.irradiance_within(view, light.tolerance, scratch)
-    })
-}
-
 impl Samples {
+    /// Forgets all light.
+    pub(super) fn forget(&mut self) {
+        self.points.clear();
+        self.elements.clear();
+    }
+
     /// Forgets what depends on the indirect light.
     pub(super) fn forget_indirect(&mut self) {
         self.changes += 1;
@@ -117,6 +116,8 @@ pub(super) struct ElementError {
     pub(super) indirect: Misfit,
     /// The worst on a line that crosses it, squared, (W/m²)².
     line: f64,
+    /// What is not known of it, squared, (W/m²)².
+    doubt: f64,
     /// Estimated integral of the squared error over the element after the fit, (W/m²)² m².
     pub(super) square: f64,
 }
@@ -125,7 +126,11 @@ impl ElementError {
     /// Estimates the squared error with values `added` to the light at the corners.
     pub(super) fn estimate(&mut self, area: f64, added: [Irradiance; 3]) {
         let misfit = self.direct + self.indirect;
-        self.square = area * misfit.mean_square(added).max(LINE_WEIGHT * self.line);
+        self.square = area
+            * misfit
+                .mean_square(added)
+                .max(LINE_WEIGHT * self.line)
+                .max(self.doubt);
     }
 
     /// Mean square of the misfit at the middle of each edge, (W/m²)².
@@ -137,10 +142,35 @@ impl ElementError {
 }
 
 impl Receiver {
-    /// Exact direct irradiance at a point of the plane.
-    pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
+    /// Finds what the middle of a tiny face sees of the emitters.
+    pub(super) fn look_out(&mut self, light: &Illumination, mesh: &ReceiverMesh) {
+        let area = |&e: &usize| mesh.area(e);
+        let largest = (0..mesh.elements.len()).max_by(|a, b| area(a).total_cmp(&area(b)));
+        let Some(middle) = largest.map(|e| mesh.centre(e)) else {
+            return;
+        };
         self.samples.evaluations += 1;
-        direct_at(light, &self.view(p))
+        let (view, tolerance) = (self.view(middle), self.size.accuracy() * light.tolerance);
+        let found = SCRATCH.with_borrow_mut(|s| light.direct.outlook(&view, tolerance, s));
+        self.outlook = Some(found);
+    }
+
+    /// Exact direct irradiance at a point of the plane, W/m².
+    pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
+        self.samples.evaluations += usize::from(self.outlook.is_none());
+        self.direct_at(light, p)
+    }
+
+    /// Direct irradiance at a point of the plane as exactly as the refinement needs it, W/m².
+    pub(super) fn direct_at(&self, light: &Illumination, p: DVec2) -> Irradiance {
+        let (view, direct) = (self.view(p), light.direct);
+        SCRATCH.with_borrow_mut(|scratch| match &self.outlook {
+            Some(outlook) => direct.irradiance_through(outlook, &view, scratch),
+            None => {
+                let tolerance = self.size.accuracy() * light.tolerance;
+                direct.irradiance_within(&view, tolerance, scratch)
+            }
+        })
     }
 
     /// Indirect irradiance at a point of the plane.
@@ -252,13 +282,12 @@ impl Receiver {
         })
     }
 
-    /// Errors of the elements of `mesh`, from earlier or new; `target` and `is_minor` as for [`Receiver::measure`].
+    /// Errors of the elements of `mesh`, from earlier or new; `target` as for [`Receiver::measure`].
     pub(super) fn measure_all(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         target: f64,
-        is_minor: bool,
     ) -> Vec<ElementError> {
         let mut known = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
         let errors = (0..mesh.elements.len())
@@ -266,7 +295,7 @@ impl Receiver {
                 let key = mesh.elements[e].map(|v| mesh.vertices[v as usize]);
                 let error = match self.samples.elements.get(&key) {
                     Some(&error) => error,
-                    None => self.measure(light, mesh, e, target, is_minor),
+                    None => self.measure(light, mesh, e, target),
                 };
                 known.insert(key, error);
                 error
@@ -276,7 +305,7 @@ impl Receiver {
         errors
     }
 
-    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at. Where `is_minor` and the direct light
+    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at. On a minor face where the direct light
     /// at the centre agrees, it is taken to be as smooth at the edges.
     fn measure(
         &mut self,
@@ -284,7 +313,6 @@ impl Receiver {
         mesh: &ReceiverMesh,
         e: usize,
         target: f64,
-        is_minor: bool,
     ) -> ElementError {
         let middle = mesh.centre(e);
         let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
@@ -298,7 +326,7 @@ impl Receiver {
             let mut weights = [0.5; 3];
             weights[(k + 2) % 3] = 0.0;
             let between = self.interpolate(mesh, e, weights);
-            if is_minor && agrees {
+            if self.size < Size::Major && agrees {
                 // What equal quadratics along the edges add up to at the centre: 4/9 of each.
                 direct[k] = centre[0] * 0.75;
                 indirect[k] = self.indirect_at(light, self.middle(mesh, e, k)) - between[1];
@@ -320,6 +348,7 @@ impl Receiver {
             direct: Misfit::new(direct, centre[0]),
             indirect: Misfit::new(indirect, centre[1]),
             line,
+            doubt: self.outlook.as_ref().map_or(0.0, |o| o.doubt),
             square: 0.0,
         }
     }

@@ -19,12 +19,14 @@ const FEW: usize = 32;
 const USUAL: usize = 32;
 
 /// What an emitter may give at one point.
-struct Prospect<'e> {
+pub(super) struct Prospect<'e> {
+    /// The number of its polygon.
+    pub(super) number: u32,
     polygon: &'e EmitterPolygon,
     /// Its form factor if nothing hid it.
-    factor: f64,
+    pub(super) factor: f64,
     /// What it gives then, mean of the channels, W/m².
-    light: f64,
+    pub(super) light: f64,
 }
 
 impl DirectLight<'_> {
@@ -40,15 +42,10 @@ impl DirectLight<'_> {
             return self.irradiance(view, scratch);
         }
         let prospects = self.prospects(view, scratch);
-        let weak = weakest(prospects.iter().map(|p| p.light), tolerance);
+        let weak = self.weakest(&prospects, tolerance);
         let mut sum = Irradiance::ZERO;
         for p in &prospects {
-            let factor = if p.light > weak {
-                visible_factor(p.polygon, self.blockers, view, scratch)
-            } else {
-                self.factor_by_ray(p, view)
-            };
-            sum += Irradiance(p.polygon.exitance.0 * factor.max(0.0));
+            sum += Irradiance(p.polygon.exitance.0 * self.factor(p, weak, view, scratch));
         }
         for light in &self.lights {
             sum += irradiance_by(light, self.blockers, view);
@@ -69,20 +66,44 @@ impl DirectLight<'_> {
     }
 
     /// The emitters that `view` would see if nothing hid them.
-    fn prospects(
+    pub(super) fn prospects(
         &self,
         view: &Viewpoint,
         scratch: &mut Scratch,
     ) -> SmallVec<[Prospect<'_>; USUAL]> {
-        let all = self.polygons.iter().map(|polygon| {
+        let all = self.polygons.iter().enumerate().map(|(i, polygon)| {
             let factor = unoccluded_factor(polygon, self.blockers, view, scratch);
             Prospect {
+                number: i as u32,
                 polygon,
                 factor,
                 light: factor * polygon.exitance.0.mean(),
             }
         });
         all.filter(|p| p.light > 0.0).collect()
+    }
+
+    /// What the strongest of those gives (W/m²) that are looked at by a ray only; 0 when none is.
+    pub(super) fn weakest(&self, prospects: &[Prospect], tolerance: f64) -> f64 {
+        if self.polygons.len() <= FEW {
+            return 0.0;
+        }
+        weakest(prospects.iter().map(|p| p.light), tolerance)
+    }
+
+    /// The form factor of what `view` sees of an emitter, by a ray if it gives no more than `weak` (W/m²).
+    pub(super) fn factor(
+        &self,
+        prospect: &Prospect,
+        weak: f64,
+        view: &Viewpoint,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        if prospect.light > weak {
+            visible_factor(prospect.polygon, self.blockers, view, scratch).max(0.0)
+        } else {
+            self.factor_by_ray(prospect, view)
+        }
     }
 
     fn factor_by_ray(&self, prospect: &Prospect, view: &Viewpoint) -> f64 {

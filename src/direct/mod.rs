@@ -3,8 +3,10 @@
 mod emitters;
 mod irradiance;
 mod many;
+mod outlook;
 mod punctual;
 
 pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};
+pub use outlook::Outlook;
 pub use punctual::{cone_cosines, unoccluded_by};

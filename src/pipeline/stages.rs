@@ -11,7 +11,7 @@ use crate::direct::DirectLight;
 use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines};
 use crate::mesh::MeshError;
 use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
-use crate::scene::{FaceId, FaceSide, Scene};
+use crate::scene::{FaceId, FaceSide, Scene, Size};
 use crate::settings::Settings;
 use std::time::Instant;
 
@@ -350,6 +350,9 @@ impl Mesher {
         is_lit: &[bool],
         lines: &mut LineMap,
     ) -> Vec<Receiver> {
+        let area = |face: FaceId| scene.faces[face].area;
+        let lit = sides.iter().zip(is_lit).filter(|s| *s.1);
+        let lit_area: f64 = lit.map(|(s, _)| area(s.0)).sum();
         sides
             .iter()
             .zip(is_lit)
@@ -361,6 +364,7 @@ impl Mesher {
                 };
                 let mut r = Receiver::new(scene, face, side, lines, self.spacing);
                 r.is_lit = lit;
+                r.size = Size::new(area(face), lit_area);
                 r
             })
             .collect()

@@ -27,6 +27,7 @@ use super::{
 };
 use crate::mesh::MeshError;
 use crate::quantity::{Irradiance, Radiosity};
+use crate::scene::Size;
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -44,11 +45,6 @@ const RAY_SHARE: f64 = 0.2;
 
 /// A correction is small: its gathers may be so much less accurate.
 const CORRECTION_ACCURACY: f64 = 4.0;
-
-/// Where sides are many, a face with less than this share of their area may be gathered for with so many times the error: the
-/// mistakes of rays fall differently on each of thousands of them.
-const MINOR_SHARE: f64 = 1e-4;
-const MINOR_ACCURACY: f64 = 8.0;
 
 /// What a gather that others are judged by is asked for beyond that.
 const REFERENCE_SHARE: f64 = 0.25;
@@ -122,8 +118,8 @@ struct Coarse<'a> {
     error: f64,
     /// Share of the light that is lost with each bounce.
     loss: f64,
-    /// Faces up to this area (m²) may be off by more.
-    minor: f64,
+    /// Area of all faces, m².
+    area: f64,
 }
 
 /// How good a row or gather from `sources` has to be: what is not linear right to `link`, what rays say to `ray`, W/m².
@@ -152,8 +148,8 @@ impl Coarse<'_> {
 
     /// Permitted error of a gather on `face`, W/m².
     fn accuracy(&self, face: &SolveFace) -> f64 {
-        if face.area <= self.minor {
-            MINOR_ACCURACY * self.error
+        if self.mesh.is_crowded() {
+            self.error * Size::new(face.area, self.area).accuracy()
         } else {
             self.error
         }
@@ -295,7 +291,7 @@ impl<'a> IndirectField<'a> {
             blockers,
             error,
             loss,
-            minor: if is_crowded { MINOR_SHARE * area } else { 0.0 },
+            area,
         };
         let faces = match request.basis {
             Basis::Linear => started(&solution.mesh, &transport.field(&values)),

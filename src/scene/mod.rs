@@ -9,11 +9,13 @@ mod ids;
 mod invariants;
 mod pattern;
 mod raw;
+mod size;
 
 pub use clean::{CleanReport, CleanSettings, clean};
 pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
 pub use pattern::Pattern;
 pub use raw::{Camera, Material, PunctualKind, PunctualLight, RawPolygon, RawScene};
+pub use size::Size;
 
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};
 use crate::quantity::{Radiance, Rgb};

@@ -1,6 +1,7 @@
 //! The library's direct light, held against an independent computation and against closed forms.
 
 mod analytic;
+mod crowd;
 mod fixtures;
 mod outlook;
 mod regressions;

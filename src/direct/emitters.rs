@@ -25,7 +25,7 @@ pub struct EmitterPolygon {
 }
 
 impl EmitterPolygon {
-    fn target(&self) -> Target<'_> {
+    pub(super) fn target(&self) -> Target<'_> {
         Target {
             corners: &self.corners,
             plane: self.plane,
@@ -62,17 +62,29 @@ fn weight(view: &Viewpoint, piece: &[DVec3]) -> f64 {
 }
 
 /// The form factor of what `view` sees of a polygon.
-pub(super) fn visible_factor(
+fn visible_factor(
     polygon: &EmitterPolygon,
     blockers: &Blockers,
     view: &Viewpoint,
     scratch: &mut Scratch,
 ) -> f64 {
+    visible_factor_past_few(usize::MAX, polygon, blockers, view, scratch).unwrap_or(0.0)
+}
+
+/// The form factor of what `view` sees of a polygon, unless more than `most` screens may be in the way.
+pub(super) fn visible_factor_past_few(
+    most: usize,
+    polygon: &EmitterPolygon,
+    blockers: &Blockers,
+    view: &Viewpoint,
+    scratch: &mut Scratch,
+) -> Option<f64> {
     let mut f = 0.0;
-    scratch.visible_pieces(blockers, view, polygon.target(), |piece| {
-        f += weight(view, piece);
-    });
-    f
+    scratch
+        .visible_past_few(most, blockers, view, polygon.target(), |piece| {
+            f += weight(view, piece);
+        })
+        .then_some(f)
 }
 
 /// The form factor of a polygon as if nothing hid it.

@@ -5,7 +5,8 @@
 //! to many emitters add like random steps: the triangles of a bulb are as many samples of it.
 
 use super::DirectLight;
-use super::emitters::{EmitterPolygon, unoccluded_factor, visible_factor};
+use super::crowd::factor_within;
+use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
 use crate::quantity::Irradiance;
 use crate::visibility::{Scratch, Viewpoint};
@@ -31,21 +32,22 @@ pub(super) struct Prospect<'e> {
 
 impl DirectLight<'_> {
     /// Irradiance at `view` straight from all emitters, W/m², where they are many off by about `tolerance` (rms, W/m², mean
-    /// of the channels). Few are cut exactly, as by [`DirectLight::irradiance`].
+    /// of the channels), and by as much about each that is looked at past a crowd of blockers. Elsewhere it is that of
+    /// [`DirectLight::irradiance`].
     pub fn irradiance_within(
         &self,
         view: &Viewpoint,
         tolerance: f64,
         scratch: &mut Scratch,
     ) -> Irradiance {
-        if tolerance <= 0.0 || self.polygons.len() <= FEW {
-            return self.irradiance(view, scratch);
+        if self.polygons.len() <= FEW {
+            return self.irradiance_past_crowds(view, tolerance, 0, scratch);
         }
         let prospects = self.prospects(view, scratch);
-        let weak = self.weakest(&prospects, tolerance);
+        let found = self.factors(&prospects, tolerance, view, scratch);
         let mut sum = Irradiance::ZERO;
-        for p in &prospects {
-            sum += Irradiance(p.polygon.exitance.0 * self.factor(p, weak, view, scratch));
+        for (p, factor) in prospects.iter().zip(found) {
+            sum += Irradiance(p.polygon.exitance.0 * factor);
         }
         for light in &self.lights {
             sum += irradiance_by(light, self.blockers, view);
@@ -83,27 +85,27 @@ impl DirectLight<'_> {
         all.filter(|p| p.light > 0.0).collect()
     }
 
-    /// What the strongest of those gives (W/m²) that are looked at by a ray only; 0 when none is.
-    pub(super) fn weakest(&self, prospects: &[Prospect], tolerance: f64) -> f64 {
-        if self.polygons.len() <= FEW {
-            return 0.0;
-        }
-        weakest(prospects.iter().map(|p| p.light), tolerance)
-    }
-
-    /// The form factor of what `view` sees of an emitter, by a ray if it gives no more than `weak` (W/m²).
-    pub(super) fn factor(
+    /// The form factors of what `view` sees of the emitters: of those that together give less than `tolerance` (W/m²) as one
+    /// ray to each tells.
+    pub(super) fn factors(
         &self,
-        prospect: &Prospect,
-        weak: f64,
+        prospects: &[Prospect],
+        tolerance: f64,
         view: &Viewpoint,
         scratch: &mut Scratch,
-    ) -> f64 {
-        if prospect.light > weak {
-            visible_factor(prospect.polygon, self.blockers, view, scratch).max(0.0)
-        } else {
-            self.factor_by_ray(prospect, view)
-        }
+    ) -> SmallVec<[f64; USUAL]> {
+        let weak = match self.polygons.len() <= FEW {
+            true => 0.0,
+            false => weakest(prospects.iter().map(|p| p.light), tolerance),
+        };
+        let mut factor = |p: &Prospect| {
+            if p.light <= weak {
+                return self.factor_by_ray(p, view);
+            }
+            let doubt = tolerance / p.polygon.exitance.0.mean();
+            factor_within(doubt, 0, p.polygon, self.blockers, view, scratch).max(0.0)
+        };
+        prospects.iter().map(&mut factor).collect()
     }
 
     fn factor_by_ray(&self, prospect: &Prospect, view: &Viewpoint) -> f64 {

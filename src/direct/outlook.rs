@@ -24,10 +24,9 @@ impl DirectLight<'_> {
     /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::irradiance_within`] `tolerance`.
     pub fn outlook(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Outlook {
         let prospects = self.prospects(view, scratch);
-        let weak = self.weakest(&prospects, tolerance);
+        let factors = self.factors(&prospects, tolerance, view, scratch);
         let mut outlook = Outlook::default();
-        for p in &prospects {
-            let factor = self.factor(p, weak, view, scratch);
+        for (p, factor) in prospects.iter().zip(factors) {
             if factor <= 0.0 {
                 continue;
             }

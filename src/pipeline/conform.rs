@@ -12,6 +12,7 @@ use crate::mesh::{EdgeSource, VertexOrigin, barycentric};
 use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EdgeId, FaceSide, IdVec, Scene};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 /// For each edge the sorted parameters of all vertices inside it.
 type Stations = IdVec<EdgeId, Vec<f64>>;
@@ -20,16 +21,21 @@ type Stations = IdVec<EdgeId, Vec<f64>>;
 pub(super) fn lit_meshes(solution: &Solution) -> Vec<LitMesh> {
     let scene = &solution.world.scene;
     let stations = stations(scene, &solution.receivers);
-    let shown = solution.receivers.iter().enumerate();
-    let shown = shown.filter(|(_, r)| !r.mesh.elements.is_empty());
-    let (mut meshes, mut seams) = (Vec::new(), Vec::new());
-    for (i, r) in shown {
-        let mut builder = Builder::new(solution, &stations, r);
-        if let Some(errors) = &solution.site_errors {
-            builder.out.errors.clone_from(&errors[i]);
-        }
-        let (mesh, touches) = builder.build();
-        let index = meshes.len();
+    let built: Vec<_> = solution
+        .receivers
+        .par_iter()
+        .enumerate()
+        .filter(|(_, r)| !r.mesh.elements.is_empty())
+        .map(|(i, r)| {
+            let mut builder = Builder::new(solution, &stations, r);
+            if let Some(errors) = &solution.site_errors {
+                builder.out.errors.clone_from(&errors[i]);
+            }
+            builder.build()
+        })
+        .collect();
+    let (mut meshes, mut seams) = (Vec::with_capacity(built.len()), Vec::new());
+    for (index, (mesh, touches)) in built.into_iter().enumerate() {
         seams.extend(touches.into_iter().map(|(key, v)| (key, (index, v))));
         meshes.push(mesh);
     }
@@ -204,7 +210,7 @@ impl<'a> Builder<'a> {
         new
     }
 
-    /// A new vertex on the border of element `e`, with its own exact light.
+    /// A new vertex on the border of element `e`, with its own light.
     fn insert(&mut self, e: usize, edge: EdgeId, t: f64) -> Corner {
         let scene = &self.solution.world.scene;
         let r = self.receiver;
@@ -214,7 +220,7 @@ impl<'a> Builder<'a> {
         let value = if r.is_lit {
             let light = Illumination {
                 direct: &self.solution.direct,
-                tolerance: 0.0,
+                tolerance: self.solution.tolerance,
                 indirect: self.solution.indirect.as_ref(),
             };
             r.total(&light, inside)

@@ -3,23 +3,18 @@
 use super::World;
 use crate::direct::DirectLight;
 use crate::discontinuity::{EventKind, FaceLines, LineMap};
+use crate::geom::even_point_in;
 use crate::radiosity::reached;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
-const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
-
 /// How far beside a line light is looked for, as a share of its length.
 const BESIDE_SHARE: f64 = 0.01;
 
 /// Points that tell how strong the direct light is in the mean: to some ten per cent of it.
 const GUESS_POINTS: u32 = 1024;
-
-/// Multiples of these fill the square evenly (Roberts 2018).
-const SPREAD: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 /// Which sides show light that reaches them: directly (it shows at coarse points, or draws a line), or by way of other
 /// sides. A lamp that reflects nothing shows its own light alone.
@@ -91,14 +86,10 @@ fn shows_emitter<'v>(
 /// Whether one of the viewpoints sees any of an emitter.
 fn shows_part_of_emitter<'v>(
     direct: &DirectLight,
-    views: impl Iterator<Item = &'v Viewpoint>,
+    mut views: impl Iterator<Item = &'v Viewpoint>,
     scratch: &mut Scratch,
 ) -> bool {
-    views.filter(|v| direct.rises(v)).any(|v| {
-        // What the cutting of cones leaves of a hidden emitter is no light.
-        let least = direct.unoccluded(v, scratch).mean() * CUTTING_ROUNDOFF;
-        direct.irradiance(v, scratch).mean() > least
-    })
+    views.any(|v| direct.rises(v) && direct.is_seen(v, scratch))
 }
 
 /// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines
@@ -161,11 +152,9 @@ pub(super) fn guess_direct(
             let k = triangles
                 .partition_point(|t| t.0 <= at)
                 .min(triangles.len() - 1);
-            let (_, [a, b, c], normal) = triangles[k];
-            let [u, v] = SPREAD.map(|r| (r * f64::from(i + 1)).fract());
-            let root = u.sqrt();
-            let p = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
-            direct.by_rays(&Viewpoint::new(p, normal), scratch).mean()
+            let (_, corners, normal) = triangles[k];
+            let view = Viewpoint::new(even_point_in(corners, i), normal);
+            direct.by_rays(&view, scratch).mean()
         })
         .collect();
     lights.iter().sum::<f64>() / f64::from(GUESS_POINTS)

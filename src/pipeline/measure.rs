@@ -118,9 +118,7 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
     let found: Vec<Found> = samples
         .par_iter()
         .enumerate()
-        .map_init(tools, |tools, (i, s)| {
-            look(solution, s, i % GATHER_STRIDE == 0, tools)
-        })
+        .map_init(tools, |tools, (i, s)| look(solution, s, i, tools))
         .collect();
     // Summed in order, so that the figures do not depend on the number of threads.
     let average = |values: &mut dyn Iterator<Item = f64>| {
@@ -175,19 +173,24 @@ struct Found {
     field_off: Option<Irradiance>,
 }
 
-fn look(solution: &Solution, s: &Sample, with_gather: bool, tools: &mut Tools) -> Found {
+/// What is found at sample number `i`.
+fn look(solution: &Solution, s: &Sample, i: usize, tools: &mut Tools) -> Found {
     let r = &solution.receivers[s.receiver];
     let p = r.mesh.corners(s.element);
     let w = s.weights;
     let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
-    let mut known = solution.direct.irradiance(&view, &mut tools.scratch);
+    // Not the rays that the vertices looked by, and others at each sample.
+    let (direct, doubt) = (&solution.direct, solution.tolerance);
+    let mut known = direct.irradiance_past_crowds(&view, doubt, 1 + i as u32, &mut tools.scratch);
     let mut field_off = None;
     if let (Some(field), Some(gatherer), Some(f)) =
         (&solution.indirect, &mut tools.gatherer, r.solve_face)
     {
         let indirect = field.at(f, r.domain.frame.to_plane(view.position));
         known += indirect;
-        field_off = with_gather.then(|| indirect - field.gather(gatherer, &view));
+        field_off = i
+            .is_multiple_of(GATHER_STRIDE)
+            .then(|| indirect - field.gather(gatherer, &view));
     }
     Found {
         known,

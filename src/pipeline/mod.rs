@@ -107,6 +107,8 @@ pub struct Solution<'a> {
     pub summary: Summary,
     /// Estimated error at the sites of each receiver, W/m², once it was asked for.
     site_errors: Option<Vec<Vec<f64>>>,
+    /// What emitters that are weak, or behind a crowd of blockers, may together be off by at a vertex, W/m².
+    tolerance: f64,
     settings: Settings,
 }
 
@@ -175,6 +177,7 @@ pub fn light<'a>(
         indirect,
         summary: Summary::default(),
         site_errors: None,
+        tolerance: weak,
         settings: settings.clone(),
     };
     run.rounds(&mut solution, &mut aim, mean)?;

@@ -8,7 +8,8 @@
 
 use super::SolveFace;
 use super::cells::{Cell, FaceCells, FaceLight};
-use super::sweep::{even_point_in, met};
+use super::sweep::met;
+use crate::geom::even_point_in;
 use crate::visibility::Blockers;
 
 /// Rays that look for something close, from as many points of an element.

@@ -2,8 +2,7 @@
 
 use super::clusters::Clusters;
 use super::locator::Locator;
-use super::sweep::even_point_in;
-use crate::geom::Plane;
+use crate::geom::{Plane, even_point_in};
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Rgb;
 use crate::scene::{EdgeId, FaceId, FaceSide};

@@ -1,13 +1,11 @@
 //! An even set of rays over the hemisphere: what tells a point of all that is neither bright nor small.
 
+use crate::geom::even_point;
 use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Viewpoint};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Fractional parts of the generalised golden ratio's powers (Roberts 2018): a sequence that fills the square evenly.
-const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 /// Rays of a sweep. What they do not tell well enough is cut, so that their number trades rays for cutting: in rooms of 4 500
 /// and 31 000 triangles a gather costs about the same from 128 to 512 rays, and 1.7 to 3 times as much with 4 096.
@@ -62,18 +60,6 @@ pub(super) fn met<'b>(
         let point = view.position + along * hit.t;
         Some((blockers.ray_owner(hit.triangle), side, point))
     })
-}
-
-/// Point `i` of a sequence that fills the unit square evenly.
-fn even_point(i: u32) -> DVec2 {
-    DVec2::from(R2.map(|r| (0.5 + r * f64::from(i + 1)).fract()))
-}
-
-/// Point `i` of a sequence that fills a triangle evenly.
-pub(super) fn even_point_in([a, b, c]: [DVec2; 3], i: u32) -> DVec2 {
-    let at = even_point(i);
-    let root = at.x.sqrt();
-    a * (1.0 - root) + b * (root * (1.0 - at.y)) + c * (root * at.y)
 }
 
 /// Direction `i` of a cosine-distributed set over the hemisphere about `n`.

@@ -64,26 +64,44 @@ impl Scratch {
         target: Target,
         visit: impl FnMut(&[DVec3]),
     ) {
+        self.visible_past_few(usize::MAX, blockers, view, target, visit);
+    }
+
+    /// As [`Scratch::visible_pieces`] where no more than `most` screens may be in the way; elsewhere it visits nothing and
+    /// returns false.
+    pub fn visible_past_few(
+        &mut self,
+        most: usize,
+        blockers: &Blockers,
+        view: &Viewpoint,
+        target: Target,
+        visit: impl FnMut(&[DVec3]),
+    ) -> bool {
         let (mut candidates, mut cones) = (
             std::mem::take(&mut self.candidates),
             std::mem::take(&mut self.cones),
         );
         candidates.clear();
+        let mut are_few = true;
         if self.starts(blockers, view, target)
             && !self.is_hidden_by_few(blockers, view, target, &mut cones)
         {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
             let region = Region::pyramid(view.position, target.corners)
                 .in_front_of([view.horizon, target.plane]);
-            blockers.collect_screens(view, &region, target.plane, &mut candidates);
-            let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
-            let hider = blockers.cones(&candidates, view, target.plane, &base, &mut cones);
-            if hider.is_none() {
-                self.visible_past(blockers, cones.iter(), view, target, visit);
+            are_few =
+                blockers.collect_few_screens(most, view, &region, target.plane, &mut candidates);
+            if are_few {
+                let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
+                let hider = blockers.cones(&candidates, view, target.plane, &base, &mut cones);
+                if hider.is_none() {
+                    self.visible_past(blockers, cones.iter(), view, target, visit);
+                }
             }
         }
         self.candidates = candidates;
         self.cones = cones;
+        are_few
     }
 
     /// As [`Scratch::visible_pieces`], past the given cones only.

@@ -102,14 +102,28 @@ impl Blockers {
         target: Plane,
         out: &mut Vec<u32>,
     ) {
+        self.collect_few_screens(usize::MAX, view, region, target, out);
+    }
+
+    /// As [`Blockers::collect_screens`], unless they are more than `most`: then some are appended and it returns false.
+    pub fn collect_few_screens(
+        &self,
+        most: usize,
+        view: &Viewpoint,
+        region: &Region,
+        target: Plane,
+        out: &mut Vec<u32>,
+    ) -> bool {
         let first = out.len();
-        self.screens.tree.query(region, |i| {
+        self.screens.tree.query_while(region, |i| {
             if self.may_hide(i, view, region, target) {
                 out.push(i);
             }
+            out.len() - first <= most
         });
         // The tree's order depends on its shape; the scene's order gives the same pieces in the same order.
         out[first..].sort_unstable();
+        out.len() - first <= most
     }
 
     /// Whether screen `i` is one of those that [`Blockers::collect_screens`] appends.

@@ -3,11 +3,12 @@
 use super::cone::{Piece, Whole, clip};
 use super::screen::Screen;
 use super::solid::Stance;
-use super::{Blockers, Cones, Region, Viewpoint};
-use crate::geom::Plane;
+use super::{Blockers, Cones, Region, Target, Viewpoint};
+use crate::geom::{Plane, even_point_of};
 use crate::scene::FaceId;
 use glam::DVec3;
 use smallvec::SmallVec;
+use std::ops::Range;
 
 impl Blockers {
     /// Appends the parts that may hide from `view` something that lies in `region` and in the plane `target`.
@@ -134,6 +135,36 @@ impl Blockers {
         {
             out.items.push(item);
         }
+    }
+
+    /// What of the light of `target`, a part of `face`, `view` sees by these rays of an even set, and what there would be of it
+    /// if nothing hid it: in the same units, which depend on the number of rays.
+    pub fn seen_by_rays(
+        &self,
+        view: &Viewpoint,
+        target: Target,
+        face: FaceId,
+        rays: Range<u32>,
+    ) -> [f64; 2] {
+        let (mut seen, mut all) = (0.0, 0.0);
+        for i in rays {
+            let point = even_point_of(target.corners, i);
+            let way = point - view.position;
+            let squared = way.length_squared();
+            if view.horizon.normal.dot(way) <= 0.0 {
+                continue;
+            }
+            // Equal areas give light as both cosines and the inverse square of the distance say.
+            let cosines = view.shading.dot(way).max(0.0) * -target.plane.normal.dot(way);
+            let weight = cosines / (squared * squared);
+            if weight > 0.0 {
+                all += weight;
+                if self.sees(view, point, face) {
+                    seen += weight;
+                }
+            }
+        }
+        [seen, all]
     }
 
     /// True when the straight line from `view` to `point` on `face` meets no other face, tested by a ray.

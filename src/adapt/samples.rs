@@ -7,6 +7,7 @@ use crate::quantity::Irradiance;
 use crate::scene::Size;
 use crate::visibility::Scratch;
 use glam::DVec2;
+use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -19,6 +20,9 @@ const AGREEMENT: f64 = 0.25;
 
 /// So many of the strongest lines that cross an element are looked at for that.
 const LINES_MEASURED: usize = 1;
+
+/// Fewer looks than this are made by one thread: sharing them would cost more.
+const SHARED_LOOKS: usize = 64;
 
 /// A point that several elements ask about, on the doubled grid: a vertex or the middle of an edge; or, with the ends of an
 /// edge on a border of the values, the point beside its middle, to its left.
@@ -107,6 +111,17 @@ impl Samples {
     }
 }
 
+/// What was found inside one element.
+struct Inside {
+    /// Light at its centre less what is interpolated there, direct and indirect, W/m².
+    centre: [Irradiance; 2],
+    /// Whether the middles of its edges need no look.
+    is_smooth: bool,
+    /// The worst on a line that crosses it, squared, (W/m²)², and how many were looked at.
+    line: f64,
+    lines: usize,
+}
+
 /// How far one element is off.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ElementError {
@@ -155,9 +170,14 @@ impl Receiver {
         self.outlook = Some(found);
     }
 
+    /// How many of so many looks at the direct light were made: through an outlook none is.
+    fn counted(&self, looks: usize) -> usize {
+        if self.outlook.is_none() { looks } else { 0 }
+    }
+
     /// Exact direct irradiance at a point of the plane, W/m².
     pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
-        self.samples.evaluations += usize::from(self.outlook.is_none());
+        self.samples.evaluations += self.counted(1);
         self.direct_at(light, p)
     }
 
@@ -193,22 +213,46 @@ impl Receiver {
         light
     }
 
+    /// Looks at the direct light of all that is not known yet of `points`.
+    fn remember(&mut self, light: &Illumination, points: impl Iterator<Item = (Key, DVec2)>) {
+        let known = &self.samples.points;
+        let mut missing: Vec<(Key, DVec2)> = points.filter(|p| !known.contains_key(&p.0)).collect();
+        missing.sort_unstable_by_key(|p| p.0);
+        missing.dedup_by_key(|p| p.0);
+        let found = all(&missing, |&(_, p)| {
+            [self.direct_at(light, p), self.indirect_at(light, p)]
+        });
+        self.samples.evaluations += self.counted(missing.len());
+        let changes = self.samples.changes;
+        for ((key, _), light) in missing.into_iter().zip(found) {
+            self.samples.points.insert(key, Known { light, changes });
+        }
+    }
+
     /// Direct and indirect light at every site of `mesh`, W/m².
     pub(super) fn light_at_sites(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
     ) -> [Vec<Irradiance>; 2] {
-        let mut both = [Vec::new(), Vec::new()];
-        for (s, &p) in mesh.site_points.iter().enumerate() {
-            let [direct, indirect] = if mesh.is_limit[s] {
-                [self.exact_direct(light, p), self.indirect_at(light, p)]
-            } else {
-                let g = mesh.vertices[mesh.site_vertices[s] as usize];
-                self.remembered(light, point(g, g), p)
-            };
-            both[0].push(direct);
-            both[1].push(indirect);
+        let key = |s: usize| {
+            let g = mesh.vertices[mesh.site_vertices[s] as usize];
+            point(g, g)
+        };
+        let (limits, shared): (Vec<usize>, Vec<usize>) =
+            (0..mesh.site_points.len()).partition(|&s| mesh.is_limit[s]);
+        self.remember(light, shared.iter().map(|&s| (key(s), mesh.site_points[s])));
+        let at_limits = all(&limits, |&s| {
+            let p = mesh.site_points[s];
+            [self.direct_at(light, p), self.indirect_at(light, p)]
+        });
+        self.samples.evaluations += self.counted(limits.len());
+        let mut both = [0, 1].map(|_| vec![Irradiance::ZERO; mesh.site_points.len()]);
+        for (s, found) in limits.into_iter().zip(at_limits) {
+            [both[0][s], both[1][s]] = found;
+        }
+        for s in shared {
+            [both[0][s], both[1][s]] = self.remembered(light, key(s), mesh.site_points[s]);
         }
         both
     }
@@ -221,13 +265,18 @@ impl Receiver {
         e: usize,
         k: usize,
     ) -> [Irradiance; 2] {
-        let ends = [k, (k + 1) % 3].map(|c| mesh.vertices[mesh.elements[e][c] as usize]);
-        let [a, b] = ends;
+        let (key, p) = self.middle_point(mesh, e, k);
+        self.remembered(light, key, p)
+    }
+
+    /// The middle of edge `k` of element `e` and its key.
+    fn middle_point(&self, mesh: &ReceiverMesh, e: usize, k: usize) -> (Key, DVec2) {
+        let [a, b] = [k, (k + 1) % 3].map(|c| mesh.vertices[mesh.elements[e][c] as usize]);
         let key = match mesh.is_barrier(e, k) {
             true => [a.x, a.y, b.x, b.y],
             false => point(a, b),
         };
-        self.remembered(light, key, self.middle(mesh, e, k))
+        (key, self.middle(mesh, e, k))
     }
 
     /// The middle of edge `k` of element `e`; of one across which values may differ, just inside the element.
@@ -282,51 +331,90 @@ impl Receiver {
         })
     }
 
-    /// Errors of the elements of `mesh`, from earlier or new; `target` as for [`Receiver::measure`].
+    /// Errors of the elements of `mesh`, from earlier or new; `target` as for [`Receiver::look_inside`].
     pub(super) fn measure_all(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         target: f64,
     ) -> Vec<ElementError> {
-        let mut known = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
+        let key = |e: usize| mesh.elements[e].map(|v| mesh.vertices[v as usize]);
+        let known = &self.samples.elements;
+        let new: Vec<usize> = (0..mesh.elements.len())
+            .filter(|&e| !known.contains_key(&key(e)))
+            .collect();
+        let insides = all(&new, |&e| self.look_inside(light, mesh, e, target));
+        let looks = insides.iter().map(|i| 1 + i.lines).sum();
+        self.samples.evaluations += self.counted(looks);
+        let rough = new.iter().zip(&insides).filter(|(_, i)| !i.is_smooth);
+        let middles: Vec<(Key, DVec2)> = rough
+            .flat_map(|(&e, _)| [0, 1, 2].map(|k| self.middle_point(mesh, e, k)))
+            .collect();
+        self.remember(light, middles.into_iter());
+        let mut measured = new.iter().zip(&insides).peekable();
+        let mut kept = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
         let errors = (0..mesh.elements.len())
             .map(|e| {
-                let key = mesh.elements[e].map(|v| mesh.vertices[v as usize]);
-                let error = match self.samples.elements.get(&key) {
-                    Some(&error) => error,
-                    None => self.measure(light, mesh, e, target),
+                let error = match measured.next_if(|(new, _)| **new == e) {
+                    Some((_, inside)) => self.measure(light, mesh, e, inside),
+                    None => self.samples.elements[&key(e)],
                 };
-                known.insert(key, error);
+                kept.insert(key(e), error);
                 error
             })
             .collect();
-        self.samples.elements = known;
+        self.samples.elements = kept;
         errors
     }
 
-    /// Measures one element; lines that matter to errors of `target` (W/m²) are looked at. On a minor face where the direct light
-    /// at the centre agrees, it is taken to be as smooth at the edges.
+    /// Looks at what is inside one element: its centre, and the lines across it that matter to errors of `target` (W/m²). On
+    /// a minor face where the direct light at the centre agrees, it is taken to be as smooth at the edges.
+    fn look_inside(
+        &self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        e: usize,
+        target: f64,
+    ) -> Inside {
+        let middle = mesh.centre(e);
+        let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
+        let centre = [
+            self.direct_at(light, middle) - between[0],
+            self.indirect_at(light, middle) - between[1],
+        ];
+        let agrees = centre[0].0.mean_square() <= (AGREEMENT * target).powi(2);
+        let p = mesh.corners(e);
+        let (mut line, mut lines) = (0.0_f64, 0);
+        for (_, stretch) in self.open_lines_in(p, target, LINES_MEASURED) {
+            let q = stretch.middle();
+            let exact = self.direct_at(light, q) + self.indirect_at(light, q);
+            let [d, r] = self.interpolate(mesh, e, barycentric(p, q));
+            line = line.max((exact - d - r).0.mean_square());
+            lines += 1;
+        }
+        Inside {
+            centre,
+            is_smooth: self.size < Size::Major && agrees,
+            line,
+            lines,
+        }
+    }
+
+    /// Measures one element.
     fn measure(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         e: usize,
-        target: f64,
+        inside: &Inside,
     ) -> ElementError {
-        let middle = mesh.centre(e);
-        let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
-        let centre = [
-            self.exact_direct(light, middle) - between[0],
-            self.indirect_at(light, middle) - between[1],
-        ];
-        let agrees = centre[0].0.mean_square() <= (AGREEMENT * target).powi(2);
+        let centre = inside.centre;
         let (mut direct, mut indirect) = ([Irradiance::ZERO; 3], [Irradiance::ZERO; 3]);
         for k in 0..3 {
             let mut weights = [0.5; 3];
             weights[(k + 2) % 3] = 0.0;
             let between = self.interpolate(mesh, e, weights);
-            if self.size < Size::Major && agrees {
+            if inside.is_smooth {
                 // What equal quadratics along the edges add up to at the centre: 4/9 of each.
                 direct[k] = centre[0] * 0.75;
                 indirect[k] = self.indirect_at(light, self.middle(mesh, e, k)) - between[1];
@@ -336,20 +424,21 @@ impl Receiver {
             direct[k] = exact[0] - between[0];
             indirect[k] = exact[1] - between[1];
         }
-        let p = mesh.corners(e);
-        let mut line = 0.0_f64;
-        for (_, stretch) in self.open_lines_in(p, target, LINES_MEASURED) {
-            let q = stretch.middle();
-            let exact = self.exact_direct(light, q) + self.indirect_at(light, q);
-            let [d, r] = self.interpolate(mesh, e, barycentric(p, q));
-            line = line.max((exact - d - r).0.mean_square());
-        }
         ElementError {
             direct: Misfit::new(direct, centre[0]),
             indirect: Misfit::new(indirect, centre[1]),
-            line,
+            line: inside.line,
             doubt: self.outlook.as_ref().map_or(0.0, |o| o.doubt),
             square: 0.0,
         }
     }
+}
+
+/// `look` at all `items`, in order. Many are shared among threads: one face may have more to look at than all the others.
+fn all<T: Sync, U: Send>(items: &[T], look: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    if items.len() < SHARED_LOOKS {
+        return items.iter().map(look).collect();
+    }
+    let shared = items.par_iter().with_min_len(SHARED_LOOKS / 4);
+    shared.map(look).collect()
 }

@@ -244,16 +244,19 @@ impl<'a> Gatherer<'a> {
             self.cell_by_rays(walk, child + 1, sink);
             return;
         }
-        if rays > SAMPLED_FACTOR {
-            if self.look_at_cell(walk, c, &seen) {
-                let all = self.touch_all();
-                self.descend(walk, c, all, sink);
-            }
-            return;
-        }
         let (blockers, eye) = (self.blockers, walk.view.position);
         let sees = |d: DVec3| blockers.sees(walk.view, eye + d, walk.face.domain.face);
-        let visible = if rays > 1.0 {
+        let visible = if rays > SAMPLED_FACTOR {
+            match self.look_at_cell(walk, c, &seen, rays) {
+                Outlook::Hidden => 0.0,
+                Outlook::Cones => {
+                    let all = self.touch_all();
+                    self.descend(walk, c, all, sink);
+                    return;
+                }
+                Outlook::Crowd => self.share_by_rays(walk, c, rays),
+            }
+        } else if rays > 1.0 {
             share_of_samples(seen.corners, sees)
         } else {
             let middle = walk.tree.cells[c].centre;
@@ -263,6 +266,14 @@ impl<'a> Gatherer<'a> {
             let f = visible * self.open_form_factor(walk, c, &seen);
             sink(walk.f, c, [f / 3.0; 3]);
         }
+    }
+
+    /// The share of cell `c` that is seen, by about so many rays.
+    fn share_by_rays(&self, walk: &Walk, c: usize, rays: f64) -> f64 {
+        let (view, face) = (walk.view, walk.face.domain.face);
+        let rays = 0..rays.ceil() as u32;
+        let [seen, all] = self.blockers.seen_by_rays(view, walk.target(c), face, rays);
+        if all > 0.0 { seen / all } else { 0.0 }
     }
 
     /// The form factor of cell `c` if nothing hid it.
@@ -280,17 +291,21 @@ impl<'a> Gatherer<'a> {
         f
     }
 
-    /// Finds the cones of everything between the viewpoint and cell `c`; false when one of them hides all of it.
-    fn look_at_cell(&mut self, walk: &Walk, c: usize, seen: &Seen) -> bool {
+    /// Finds the cones of everything between the viewpoint and cell `c`, unless they are more than `most`.
+    fn look_at_cell(&mut self, walk: &Walk, c: usize, seen: &Seen, most: f64) -> Outlook {
         let (view, target) = (walk.view, walk.target(c));
         let region = Region::pyramid(view.position, target.corners)
             .in_front_of([view.horizon, target.plane]);
         self.candidates.clear();
         let (blockers, candidates) = (self.blockers, &mut self.candidates);
-        blockers.collect_screens(view, &region, target.plane, candidates);
+        if !blockers.collect_few_screens(most as usize, view, &region, target.plane, candidates) {
+            return Outlook::Crowd;
+        }
         let cones = &mut self.cones;
-        let hider = blockers.cones(candidates, view, target.plane, &seen.corners, cones);
-        hider.is_none()
+        match blockers.cones(candidates, view, target.plane, &seen.corners, cones) {
+            None => Outlook::Cones,
+            Some(_) => Outlook::Hidden,
+        }
     }
 
     /// All cones may touch what is looked at.
@@ -319,8 +334,8 @@ impl<'a> Gatherer<'a> {
             }
             self.candidates.clear();
         }
-        blockers.collect_screens(view, &region, face.plane, &mut self.candidates);
-        if self.candidates.len() as f64 > most {
+        let candidates = &mut self.candidates;
+        if !blockers.collect_few_screens(most as usize, view, &region, face.plane, candidates) {
             return Outlook::Crowd;
         }
         let cones = &mut self.cones;
@@ -393,9 +408,13 @@ impl<'a> Gatherer<'a> {
         let n = walk.view.horizon.normal;
         let touching = &self.touching[touching];
         let cones = || touching.iter().map(|&i| self.cones.get(i as usize));
-        let ray = SAMPLED_FACTOR * walk.oracle.ray;
-        if touching.len() > FEW_BLOCKERS && seen.form_factor * strength.largest <= ray {
+        let rays = seen.form_factor * strength.largest / walk.oracle.ray;
+        if touching.len() > FEW_BLOCKERS && rays <= SAMPLED_FACTOR {
             return [sampled(n, seen.corners, cones) / 3.0; 3];
+        }
+        if touching.len() as f64 > rays {
+            let visible = self.share_by_rays(walk, c, rays);
+            return [visible * self.open_form_factor(walk, c, seen) / 3.0; 3];
         }
         let mut sum = [0.0; 3];
         let basis = Basis::new(seen.corners);

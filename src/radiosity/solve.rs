@@ -108,7 +108,7 @@ impl Transport {
         Self {
             trees: trees.to_vec(),
             nodes,
-            system: System::new(basis, blocks, &links),
+            system: System::new(basis, blocks, links),
         }
     }
 

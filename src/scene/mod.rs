@@ -15,6 +15,7 @@ pub use clean::{CleanReport, CleanSettings, clean};
 pub use ids::{EdgeId, EmitterId, FaceId, IdVec, VertexId};
 pub use pattern::Pattern;
 pub use raw::{Camera, Material, PunctualKind, PunctualLight, RawPolygon, RawScene};
+pub(crate) use size::MINOR_SHARE;
 pub use size::Size;
 
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};

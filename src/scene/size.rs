@@ -1,7 +1,7 @@
 //! How much a face matters to the whole.
 
 /// A face with less than this share of the lit area is minor.
-const MINOR_SHARE: f64 = 1e-4;
+pub(crate) const MINOR_SHARE: f64 = 1e-4;
 
 /// And tiny with less than this one.
 const TINY_SHARE: f64 = 1e-6;

@@ -89,8 +89,7 @@ fn columns(system: &System) -> Vec<Vec<f64>> {
                 unit[i] = DVec3::ZERO;
                 let mut column = vec![0.0; white.len()];
                 for run in &runs[b] {
-                    let links = run.links.clone();
-                    column[run.node as usize] += white.gather_from(links, cells.start, &light).x;
+                    column[run.node as usize] += white.gather_from(run, cells.start, &light).x;
                 }
                 column
             },

@@ -111,7 +111,7 @@ impl<'p> Unsent<'p> {
         }
         for run in &self.runs[b] {
             let node = run.node as usize;
-            let more = system.gather_from(run.links.clone(), block.cells.start, &light);
+            let more = system.gather_from(run, block.cells.start, &light);
             let (old, new) = (self.arrived[node], self.arrived[node] + more);
             x[node] += more;
             self.arrived[node] = new;

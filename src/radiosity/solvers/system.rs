@@ -56,7 +56,7 @@ pub(in crate::radiosity) struct Block {
 #[derive(Clone, Debug)]
 pub(super) struct Run {
     pub(super) node: u32,
-    /// Among all links.
+    /// Among the links of the node.
     pub(super) links: Range<usize>,
 }
 
@@ -65,26 +65,23 @@ pub(super) struct Run {
 pub(in crate::radiosity) struct System {
     basis: Basis,
     pub(super) blocks: Vec<Block>,
-    links: Vec<Link>,
-    /// Where the links of each node start, and where the last ones end.
-    starts: Vec<usize>,
+    /// The links of each node, those with cells of one block beside each other.
+    rows: Vec<Vec<Link>>,
     cells: usize,
 }
 
 impl System {
     /// `rows` are the links of each node in the order of the nodes, those with cells of one block beside each other.
-    pub(in crate::radiosity) fn new(basis: Basis, blocks: Vec<Block>, rows: &[Vec<Link>]) -> Self {
-        let mut starts = Vec::with_capacity(rows.len() + 1);
-        starts.push(0);
-        for row in rows {
-            starts.push(starts[starts.len() - 1] + row.len());
-        }
+    pub(in crate::radiosity) fn new(
+        basis: Basis,
+        blocks: Vec<Block>,
+        rows: Vec<Vec<Link>>,
+    ) -> Self {
         Self {
             basis,
             cells: blocks.last().map_or(0, |b| b.cells.end),
             blocks,
-            links: rows.concat(),
-            starts,
+            rows,
         }
     }
 
@@ -104,12 +101,12 @@ impl System {
 
     /// Number of nodes: unknowns a channel.
     pub(in crate::radiosity) fn len(&self) -> usize {
-        self.starts.len() - 1
+        self.rows.len()
     }
 
     /// Number of links.
     pub(in crate::radiosity) fn link_count(&self) -> usize {
-        self.links.len()
+        self.rows.iter().map(Vec::len).sum()
     }
 
     /// Number of cells.
@@ -120,13 +117,13 @@ impl System {
     /// The links by the block that they take light from: the transposed matrix.
     pub(super) fn runs(&self) -> Vec<Vec<Run>> {
         let mut runs: Vec<Vec<Run>> = vec![Vec::new(); self.blocks.len()];
-        for (node, ends) in self.starts.windows(2).enumerate() {
-            let mut first = ends[0];
-            while first < ends[1] {
-                let cell = self.links[first].cell as usize;
+        for (node, row) in self.rows.iter().enumerate() {
+            let mut first = 0;
+            while first < row.len() {
+                let cell = row[first].cell as usize;
                 let b = self.blocks.partition_point(|b| b.cells.end <= cell);
                 let cells = &self.blocks[b].cells;
-                let count = self.links[first..ends[1]]
+                let count = row[first..]
                     .iter()
                     .take_while(|l| cells.contains(&(l.cell as usize)))
                     .count();
@@ -155,25 +152,15 @@ impl System {
         white
     }
 
-    /// What comes by some links from cells that send `light`, the first of which has number `first`.
-    pub(super) fn gather_from(
-        &self,
-        links: Range<usize>,
-        first: usize,
-        light: &[Corners],
-    ) -> DVec3 {
-        let mut sum = DVec3::ZERO;
-        for link in &self.links[links] {
-            for (b, w) in light[link.cell as usize - first].iter().zip(link.weights) {
-                sum += *b * w;
-            }
-        }
-        sum
+    /// What comes by the links of `run` from the cells of its block that send `light`, the first of which has number `first`.
+    pub(super) fn gather_from(&self, run: &Run, first: usize, light: &[Corners]) -> DVec3 {
+        let row = &self.rows[run.node as usize];
+        gathered(&row[run.links.clone()], first, light)
     }
 
     /// What arrives at a node from cells that send `light`.
     pub(super) fn gather(&self, node: usize, light: &[Corners]) -> DVec3 {
-        self.gather_from(self.starts[node]..self.starts[node + 1], 0, light)
+        gathered(&self.rows[node], 0, light)
     }
 
     /// What arrives at every node.
@@ -257,6 +244,17 @@ impl System {
         let most = back.iter().map(|x| x.max_element()).fold(0.0, f64::max);
         most.min(LARGEST_CONTRACTION)
     }
+}
+
+/// What comes by `links` from cells that send `light`, the first of which has number `first`.
+fn gathered(links: &[Link], first: usize, light: &[Corners]) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for link in links {
+        for (b, w) in light[link.cell as usize - first].iter().zip(link.weights) {
+            sum += *b * w;
+        }
+    }
+    sum
 }
 
 /// Row sums are right to 10⁻⁷ (round-off of cutting): what they say of light that is lost more slowly than ten times that

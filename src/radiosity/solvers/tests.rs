@@ -36,7 +36,7 @@ fn system(form_factors: &[Vec<f64>], reflectance: impl Fn(usize) -> DVec3) -> Sy
                 .collect()
         })
         .collect();
-    System::new(Basis::Constant, blocks, &rows)
+    System::new(Basis::Constant, blocks, rows)
 }
 
 fn even(light: &[f64]) -> Vec<Corners> {

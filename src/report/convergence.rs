@@ -134,14 +134,25 @@ pub fn convergence(
                 run.name, mesh.name, solver.name
             ));
             (meter.reset)();
-            let run_of = run.light(mesh, solver, error)?;
+            let is_own = mesh.name == MESH_METHODS[MESH_METHODS.len() - 1].name
+                && solver.name == SOLVE_METHODS[0].name;
+            let run_of = match run.light(mesh, solver, error) {
+                Ok(run_of) => run_of,
+                // Too large for this solver, and finer ones are no smaller.
+                Err(LightError::Input(e)) if !is_own => {
+                    found.left_out.push(LeftOut {
+                        what: format!("{} at {error} and finer", solver.name),
+                        why: e.to_string(),
+                    });
+                    break;
+                }
+                Err(e) => return Err(e),
+            };
             let peak_bytes = (meter.peak)();
             let truth = reference.as_ref().map_or(&run_of.solution, |r| &r.solution);
             let records = run.records(&run_of, truth, mesh, solver, error, peak_bytes);
             let is_beyond = records.iter().any(|r| r.work.elements > MOST_ELEMENTS);
             found.records.extend(records);
-            let is_own = mesh.name == MESH_METHODS[MESH_METHODS.len() - 1].name
-                && solver.name == SOLVE_METHODS[0].name;
             if is_own && error <= finest {
                 found.keep(run_of);
             }

@@ -50,12 +50,23 @@ pub struct SolveMethod {
     pub choose: fn(&mut Settings),
 }
 
-/// Ways to solve on the same links, and with constant cells; the first is the program's own. The dense one is left out, as
-/// most scenes are too large for it.
-pub const SOLVE_METHODS: [SolveMethod; 4] = [
+/// Ways to solve on the same links, and with constant cells; the first is the program's own.
+pub const SOLVE_METHODS: [SolveMethod; 8] = [
     SolveMethod {
         name: "hierarchical",
         choose: |_| {},
+    },
+    SolveMethod {
+        name: "jacobi",
+        choose: |settings| settings.solver = Solver::Jacobi,
+    },
+    SolveMethod {
+        name: "gauss-seidel",
+        choose: |settings| settings.solver = Solver::GaussSeidel,
+    },
+    SolveMethod {
+        name: "sor",
+        choose: |settings| settings.solver = Solver::Sor,
     },
     SolveMethod {
         name: "progressive",
@@ -64,6 +75,10 @@ pub const SOLVE_METHODS: [SolveMethod; 4] = [
     SolveMethod {
         name: "gmres",
         choose: |settings| settings.solver = Solver::Gmres,
+    },
+    SolveMethod {
+        name: "lu",
+        choose: |settings| settings.solver = Solver::Lu,
     },
     SolveMethod {
         name: "constant-cells",

@@ -12,7 +12,7 @@
 //! | [`texture`] | a picture file | its texels, their mean over a triangle | Williams 1983 |
 //! | [`scene`] | that | welded, planar, maximal faces with their neighbours | |
 //! | [`visibility`] | faces | who hides whom: the part of a polygon that a point sees, exactly | Woop, Benthin & Wald 2013 for rays |
-//! | [`direct`] | a point | the irradiance straight from the emitters, exact | Lambert 1760 |
+//! | [`direct`] | a point | the irradiance straight from the emitters, exact where exactness shows | Lambert 1760 |
 //! | [`form_factor`] | two polygons | the share of light that one sends the other, with its error | Sparrow 1963; Baum, Rushmeier & Winget 1989 |
 //! | [`discontinuity`] | emitters and edges | the lines where that irradiance or its derivatives break | Heckbert 1992; Lischinski, Tampieri & Greenberg 1992; Drettakis & Fiume 1994 |
 //! | [`mesh`] | lines on a face | triangles that cross no line | Hobby 1999; Halperin & Packer 2002 |

@@ -8,6 +8,7 @@ use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
 use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
+use std::sync::atomic::AtomicUsize;
 
 /// A convex piece of an emitting side.
 #[derive(Clone, Debug)]
@@ -110,6 +111,7 @@ pub struct DirectLight<'a> {
     pub polygons: Vec<EmitterPolygon>,
     /// Lights without a surface, local.
     pub lights: Vec<PunctualLight>,
+    pub(super) looks_by_rays: AtomicUsize,
 }
 
 impl<'a> DirectLight<'a> {
@@ -138,6 +140,17 @@ impl<'a> DirectLight<'a> {
             blockers,
             polygons,
             lights: scene.lights.clone(),
+            looks_by_rays: AtomicUsize::new(0),
+        }
+    }
+
+    /// One light without a surface alone.
+    pub(crate) fn of_light(light: PunctualLight, blockers: &'a Blockers) -> Self {
+        Self {
+            blockers,
+            polygons: Vec::new(),
+            lights: vec![light],
+            looks_by_rays: AtomicUsize::new(0),
         }
     }
 

@@ -5,7 +5,6 @@
 //! to many emitters add like random steps: the triangles of a bulb are as many samples of it.
 
 use super::DirectLight;
-use super::crowd::factor_within;
 use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
 use crate::quantity::Irradiance;
@@ -103,7 +102,8 @@ impl DirectLight<'_> {
                 return self.factor_by_ray(p, view);
             }
             let doubt = tolerance / p.polygon.exitance.0.mean();
-            factor_within(doubt, 0, p.polygon, self.blockers, view, scratch).max(0.0)
+            self.factor_within(doubt, 0, p.polygon, view, scratch)
+                .max(0.0)
         };
         prospects.iter().map(&mut factor).collect()
     }

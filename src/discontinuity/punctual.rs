@@ -209,11 +209,7 @@ impl Rim<'_> {
             kind: PunctualKind::Point,
             ..self.source.clone()
         };
-        let lit = DirectLight {
-            blockers,
-            polygons: Vec::new(),
-            lights: vec![whole],
-        };
+        let lit = DirectLight::of_light(whole, blockers);
         let mut scratch = crate::visibility::Scratch::default();
         let jump = [0.0, 0.5, 1.0]
             .map(|t| Viewpoint::new(ends[0].lerp(ends[1], t), normal))

@@ -191,6 +191,13 @@ impl Summary {
                 "elements without them are as good at the error asked for",
             );
         }
+        let by_rays = solution.direct.looks_by_rays();
+        if by_rays > 0 {
+            say(
+                format!("exact cutting of {by_rays} views of emitters"),
+                "rays tell as much where a crowd of blockers stands between",
+            );
+        }
         if solution.indirect.is_none() {
             let why = if solution.settings.bounces == Bounces::Count(0) {
                 "no bounces were asked for"

@@ -38,7 +38,8 @@ struct Corner {
 struct PieceRange {
     from: u32,
     to: u32,
-    hull: RoundCone,
+    /// Once it was asked for: what no further cone is held against has none.
+    hull: Option<RoundCone>,
 }
 
 /// Convex polygons, their corners one after the other in one buffer; and the buffers to cut them.
@@ -155,11 +156,10 @@ impl Pieces {
 
     /// The corners from number `first` on are a new piece.
     fn push(&mut self, first: usize) {
-        let corners = self.corners[first..].iter();
         self.ranges.push(PieceRange {
             from: first as u32,
             to: self.corners.len() as u32,
-            hull: RoundCone::new(corners.map(|c| (c.direction, c.length))),
+            hull: None,
         });
     }
 
@@ -178,8 +178,12 @@ impl Pieces {
         let count = self.ranges.len();
         let mut kept = 0;
         for i in 0..count {
-            let range = self.ranges[i];
-            if range.hull.is_apart(cone.hull)
+            let mut range = self.ranges[i];
+            let corners = self.piece(range).iter();
+            let hull = range
+                .hull
+                .get_or_insert_with(|| RoundCone::new(corners.map(|c| (c.direction, c.length))));
+            if hull.is_apart(cone.hull)
                 || is_apart(self.piece(range), cone)
                 || !self.cut(range, cone)
             {

@@ -15,7 +15,7 @@ pub use estimate::SolutionError;
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::clusters::Sources;
 use super::field_face::FieldFace;
-use super::gather::Oracle;
+use super::gather::{Gatherers, Oracle};
 use super::held::{Held, looks_into_gap};
 use super::nodes::NodalField;
 use super::rows::point_nodes;
@@ -150,6 +150,10 @@ fn oracle<'s>(
 impl Coarse<'_> {
     fn gatherer(&self) -> Gatherer<'_> {
         Gatherer::new(&self.mesh, &self.trees, self.blockers)
+    }
+
+    fn gatherers(&self) -> Gatherers<'_> {
+        Gatherers::new(&self.mesh, &self.trees, self.blockers)
     }
 
     /// Permitted error of a gather on `face`, W/m².
@@ -349,21 +353,19 @@ impl<'a> IndirectField<'a> {
                 .copied()
                 .unwrap_or(f64::INFINITY);
             let solution = &self.solution;
+            let gatherers = solution.gatherers();
             let bought: Vec<usize> = self
                 .faces
                 .par_iter_mut()
                 .zip(&solution.mesh.faces)
                 // One face may cost more than all others together.
                 .with_max_len(1)
-                .map_init(
-                    || solution.gatherer(),
-                    |gatherer, (field, face)| {
-                        let accuracy = solution.accuracy(face);
-                        field.buy(face, limit, solution.blockers.weld_distance(), |view| {
-                            solution.gather(gatherer, view, &solution.light, accuracy, 0.0)
-                        })
-                    },
-                )
+                .map(|(field, face)| {
+                    let accuracy = solution.accuracy(face);
+                    field.buy(face, limit, solution.blockers.weld_distance(), |view| {
+                        gatherers.lend(|g| solution.gather(g, view, &solution.light, accuracy, 0.0))
+                    })
+                })
                 .collect::<Result<_, _>>()?;
             let bought: usize = bought.iter().sum();
             self.gathers += bought;
@@ -422,27 +424,25 @@ impl<'a> IndirectField<'a> {
         let residual = Sources::new(mesh, residual, 0.0);
         let solution = &self.solution;
         let skip = SKIP_SHARE * solution.error;
+        let gatherers = solution.gatherers();
         let squares: Vec<f64> = self
             .faces
             .par_iter_mut()
             .zip(&solution.mesh.faces)
             .enumerate()
             .with_max_len(1)
-            .map_init(
-                || solution.gatherer(),
-                |gatherer, (f, (field, face))| {
-                    let accuracy = CORRECTION_ACCURACY * solution.accuracy(face);
-                    field.add(
-                        face,
-                        solution.blockers.weld_distance(),
-                        |p| all.at(face, f, p),
-                        |view, p| {
-                            solution.gather(gatherer, view, &residual, accuracy, skip)
-                                + further.at(face, f, p)
-                        },
-                    )
-                },
-            )
+            .map(|(f, (field, face))| {
+                let accuracy = CORRECTION_ACCURACY * solution.accuracy(face);
+                let gather = |view: &Viewpoint| {
+                    gatherers.lend(|g| solution.gather(g, view, &residual, accuracy, skip))
+                };
+                field.add(
+                    face,
+                    solution.blockers.weld_distance(),
+                    |p| all.at(face, f, p),
+                    |view, p| gather(view) + further.at(face, f, p),
+                )
+            })
             .collect();
         (squares.iter().sum::<f64>() / self.area()).sqrt()
     }

@@ -8,6 +8,7 @@ use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What the points of a small face do not tell of how it varies, as a share of its value.
 const UNIFORM_VARIATION: f64 = 0.1;
@@ -38,15 +39,16 @@ struct Knowledge {
 
 /// Values on one side of a face.
 pub(super) struct FieldFace {
-    mesh: ReceiverMesh,
-    locator: Locator,
+    /// Those of the solution until elements are divided: most faces never are.
+    mesh: Arc<ReceiverMesh>,
+    locator: Arc<Locator>,
     values: Vec<Irradiance>,
     known: Vec<Knowledge>,
     /// All values are the mean of the points of a small face.
     is_uniform: bool,
     /// What these tell of the variance over the face, (W/m²)².
     variance: f64,
-    /// Points that divide the elements, beside those of the solve mesh.
+    /// All points of the mesh, once elements have been divided.
     points: Vec<GridPoint>,
     /// Values at vertices and edge midpoints, by doubled grid coordinates.
     gathered: HashMap<(i64, i64), Irradiance>,
@@ -55,7 +57,7 @@ pub(super) struct FieldFace {
 impl FieldFace {
     /// Starts from what the solution has gathered on solve face number `f`.
     pub(super) fn new(face: &SolveFace, f: usize, solution: &NodalField) -> Self {
-        let mesh = face.mesh.clone();
+        let mesh = Arc::clone(&face.mesh);
         let values = (0..mesh.site_vertices.len())
             .map(|s| solution.at_site(f, s))
             .collect();
@@ -63,9 +65,9 @@ impl FieldFace {
             .map(|e| solution.at_middles(f, e))
             .collect();
         let mut field = Self {
-            locator: Locator::new(&mesh),
+            locator: Arc::clone(&face.locator),
             known: vec![Knowledge::default(); mesh.elements.len()],
-            points: mesh.vertices.clone(),
+            points: Vec::new(),
             is_uniform: middles.iter().any(Option::is_none),
             variance: solution.mean_and_variance(f).1,
             mesh,
@@ -318,6 +320,9 @@ impl FieldFace {
         ask: &mut impl FnMut(DVec2) -> Irradiance,
     ) -> Result<(), MeshError> {
         let grid = &face.domain.grid;
+        if self.points.is_empty() {
+            self.points.clone_from(&self.mesh.vertices);
+        }
         let before = self.points.len();
         for &e in elements {
             let p = self.mesh.corners(e);
@@ -345,8 +350,8 @@ impl FieldFace {
             .zip(&self.known)
             .map(|(t, &k)| (t.map(|v| self.mesh.vertices[v as usize]), k))
             .collect();
-        self.mesh = face.domain.mesh(&[], &self.points)?;
-        self.locator = Locator::new(&self.mesh);
+        self.mesh = Arc::new(face.domain.mesh(&[], &self.points)?);
+        self.locator = Arc::new(Locator::new(&self.mesh));
         self.values = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
         self.fill_sites(ask);
         self.known = (0..self.mesh.elements.len())

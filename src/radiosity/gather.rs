@@ -18,6 +18,7 @@ use crate::visibility::{Blockers, Cones, Region, Relation, Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// A face is judged by rays alone when so many of them are enough.
 const FEW_RAYS: f64 = 32.0;
@@ -62,6 +63,35 @@ pub struct Gatherer<'a> {
     /// For each side whether it is cut exactly, and those that are.
     is_cut: Vec<bool>,
     cut: Vec<usize>,
+}
+
+/// Gatherers to lend: making one takes as long as there are faces, and most faces have nothing to gather.
+pub(super) struct Gatherers<'a> {
+    mesh: &'a SolveMesh,
+    trees: &'a [FaceCells],
+    blockers: &'a Blockers,
+    idle: Mutex<Vec<Gatherer<'a>>>,
+}
+
+impl<'a> Gatherers<'a> {
+    pub(super) fn new(mesh: &'a SolveMesh, trees: &'a [FaceCells], blockers: &'a Blockers) -> Self {
+        Self {
+            mesh,
+            trees,
+            blockers,
+            idle: Mutex::default(),
+        }
+    }
+
+    /// Lets `work` use one that nobody else uses. What it remembers of earlier work saves time and changes no result.
+    pub(super) fn lend<R>(&self, work: impl FnOnce(&mut Gatherer<'a>) -> R) -> R {
+        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let one = idle().pop();
+        let mut one = one.unwrap_or_else(|| Gatherer::new(self.mesh, self.trees, self.blockers));
+        let result = work(&mut one);
+        idle().push(one);
+        result
+    }
 }
 
 /// What stands between a viewpoint and a face.

@@ -9,6 +9,7 @@ use crate::scene::{EdgeId, FaceId, FaceSide};
 use crate::visibility::{Region, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// A face with a radius below this share of the solve mesh's spacing has one value: the mean of so many points.
 const SMALL_SHARE: f64 = 0.25;
@@ -35,7 +36,7 @@ pub struct SolveFace {
     /// Geometry.
     pub domain: FaceDomain,
     /// Its elements.
-    pub mesh: ReceiverMesh,
+    pub mesh: Arc<ReceiverMesh>,
     /// Mean diffuse reflectance of this side.
     pub reflectance: Rgb,
     /// Plane, normal towards the lit side.
@@ -53,7 +54,7 @@ pub struct SolveFace {
     pub(super) middle_point: DVec3,
     /// Bounding rectangle, counter-clockwise seen from the lit side.
     pub(super) rectangle: [DVec3; 4],
-    locator: Locator,
+    pub(super) locator: Arc<Locator>,
 }
 
 /// All sides that take part.
@@ -209,7 +210,7 @@ impl SolveFace {
             roots: (0..outline.elements.len())
                 .map(|e| outline.corners(e))
                 .collect(),
-            locator: Locator::new(&mesh),
+            locator: Arc::new(Locator::new(&mesh)),
             centre,
             radius,
             is_small: radius < SMALL_SHARE * spacing,
@@ -217,7 +218,7 @@ impl SolveFace {
             middle_point: largest.map_or(centre, |e| domain.frame.to_space(mesh.centre(e))),
             rectangle,
             domain,
-            mesh,
+            mesh: Arc::new(mesh),
             reflectance,
         })
     }

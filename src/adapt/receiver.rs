@@ -180,7 +180,9 @@ impl Receiver {
             .map(|i| i as u32)
             .collect();
         let mut mesh = self.domain.mesh(&kept, &self.points)?;
-        self.errors.clear();
+        if !self.errors.is_empty() {
+            self.samples.measured = std::mem::take(&mut self.errors);
+        }
         if self.is_lit {
             if self.size == Size::Tiny && self.lines.contacts.is_empty() && self.outlook.is_none() {
                 self.look_out(light, &mesh);

@@ -86,8 +86,10 @@ struct Known {
 pub(super) struct Samples {
     points: Map<Key, Known>,
     changes: usize,
-    /// Errors of elements that a later mesh may hold again.
-    elements: Map<[GridPoint; 3], ElementError>,
+    /// Elements that a later mesh may hold again, by their number among those that were measured last.
+    elements: Map<[GridPoint; 3], u32>,
+    /// The errors of these, once the mesh has become another one.
+    pub(super) measured: Vec<ElementError>,
     /// Exact evaluations of direct light so far.
     pub(super) evaluations: usize,
 }
@@ -357,13 +359,14 @@ impl Receiver {
             .map(|e| {
                 let error = match measured.next_if(|(new, _)| **new == e) {
                     Some((_, inside)) => self.measure(light, mesh, e, inside),
-                    None => self.samples.elements[&key(e)],
+                    None => self.samples.measured[self.samples.elements[&key(e)] as usize],
                 };
-                kept.insert(key(e), error);
+                kept.insert(key(e), e as u32);
                 error
             })
             .collect();
         self.samples.elements = kept;
+        self.samples.measured = Vec::new();
         errors
     }
 

@@ -229,7 +229,7 @@ impl<'w> Runner<'w> {
             meshing: mesh.meshing,
             ..self.base.clone()
         };
-        (solver.choose)(&mut settings);
+        solver.choose(&mut settings);
         let mut run = self.once(&settings)?;
         if run.seconds < QUICK {
             for _ in 0..REPEATS {

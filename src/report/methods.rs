@@ -41,47 +41,45 @@ pub enum Basis {
 /// All bases.
 pub const BASES: [(&str, Basis); 2] = [("constant", Basis::Constant), ("linear", Basis::Linear)];
 
-/// A way to solve for the light between surfaces.
+/// A way to solve for the light between surfaces: a solver, or what its cells hold.
 #[derive(Clone, Copy)]
 pub struct SolveMethod {
     /// Name in tables.
     pub name: &'static str,
-    /// Chooses it.
-    pub choose: fn(&mut Settings),
+    /// Solves the links.
+    pub solver: Solver,
+    /// What a cell of the solution holds.
+    pub cells: radiosity::Basis,
 }
 
-/// Ways to solve on the same links, and with constant cells; the first is the program's own.
-pub const SOLVE_METHODS: [SolveMethod; 8] = [
-    SolveMethod {
-        name: "hierarchical",
-        choose: |_| {},
-    },
-    SolveMethod {
-        name: "jacobi",
-        choose: |settings| settings.solver = Solver::Jacobi,
-    },
-    SolveMethod {
-        name: "gauss-seidel",
-        choose: |settings| settings.solver = Solver::GaussSeidel,
-    },
-    SolveMethod {
-        name: "sor",
-        choose: |settings| settings.solver = Solver::Sor,
-    },
-    SolveMethod {
-        name: "progressive",
-        choose: |settings| settings.solver = Solver::Progressive,
-    },
-    SolveMethod {
-        name: "gmres",
-        choose: |settings| settings.solver = Solver::Gmres,
-    },
-    SolveMethod {
-        name: "lu",
-        choose: |settings| settings.solver = Solver::Lu,
-    },
-    SolveMethod {
+impl SolveMethod {
+    const fn with(solver: Solver) -> Self {
+        Self {
+            name: solver.name(),
+            solver,
+            cells: radiosity::Basis::Linear,
+        }
+    }
+
+    /// Has a bake solve this way.
+    pub fn choose(&self, settings: &mut Settings) {
+        settings.solver = self.solver;
+        settings.basis = self.cells;
+    }
+}
+
+/// Every solver on the same links, the program's own first, and at last that one with constant cells.
+pub const SOLVE_METHODS: [SolveMethod; Solver::ALL.len() + 1] = {
+    let constant_cells = SolveMethod {
         name: "constant-cells",
-        choose: |settings| settings.basis = radiosity::Basis::Constant,
-    },
-];
+        cells: radiosity::Basis::Constant,
+        ..SolveMethod::with(Solver::ALL[0])
+    };
+    let mut all = [constant_cells; Solver::ALL.len() + 1];
+    let mut i = 0;
+    while i < Solver::ALL.len() {
+        all[i] = SolveMethod::with(Solver::ALL[i]);
+        i += 1;
+    }
+    all
+};

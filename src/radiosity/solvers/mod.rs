@@ -63,7 +63,7 @@ impl Solver {
     ];
 
     /// Its name for users.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Hierarchical => "hierarchical",
             Self::Jacobi => "jacobi",

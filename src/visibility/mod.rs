@@ -8,6 +8,7 @@ mod hidden;
 #[cfg(test)]
 mod random;
 mod ray;
+mod ray_tree;
 mod region;
 mod screen;
 mod shadow;

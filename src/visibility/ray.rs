@@ -1,34 +1,19 @@
 //! The shared ray caster: nearest hit and occlusion against a list of triangles, without leaks along shared edges.
 //!
-//! Boxes are culled in f32 (obvhs, eight-wide compressed tree), triangles are decided in f64 by the test of Woop, Benthin and
-//! Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013). Their fall-back to higher precision where an edge function is
-//! zero is not needed: two triangles that share an edge compute exactly opposite values for it, and zero belongs to both.
+//! Boxes are culled in f32 (a tree of its own layout), triangles are decided in f64 by the test of Woop, Benthin and Wald,
+//! "Watertight Ray/Triangle Intersection" (JCGT 2013). Their fall-back to higher precision where an edge function is zero is not
+//! needed: two triangles that share an edge compute exactly opposite values for it, and zero belongs to both.
 
-use glam::{DVec3, Vec3A};
-use obvhs::Boundable;
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::ray::{Ray, RayHit};
-use std::time::Duration;
+use super::ray_tree::{RayTree, TreeRay};
+use glam::DVec3;
 
 /// How far boxes reach beyond their triangles, as a fraction of the diagonal of the whole.
 ///
-/// The box test rounds to f32 (6e-8 of the diagonal for each of origin, direction and box) and clamps direction components
-/// below 1.2e-7, while the triangle test is exact to f64. On tight boxes 2 to 3 rays in 10 000 that are aimed at an edge or
-/// a vertex slip through; at 1e-5 none of two million does.
-const BOX_PADDING: f64 = 1e-5;
-
-/// How far behind its origin a ray enters the tree, as a fraction of the diagonal of the whole.
-///
-/// The tree drops every box that ends within 1e-4 of the ray's start (a constant inside it), which would let light through
-/// an occluder that almost touches the receiver. Twice that distance keeps such boxes; what lies behind the origin is
-/// rejected by its `t` like any other hit.
-const RUN_UP: f64 = 2e-4;
-
-/// From the unit sphere no ray passes more than two units of boxes; a finite end keeps f32 arithmetic free of infinities.
-const BEYOND_ALL_BOXES: f64 = 4.0;
+/// Coordinates of boxes are at most ½ and those of origins at most 1, so that the ways between them are at most 1½. Rounding
+/// moves an end of a box by ½ ε (its coordinate), ε (the origin), 1½ ε (their difference) and 1½ · 3 ε (the component of the
+/// direction, its inverse and the product), ε = 2⁻²⁴: 7½ ε together. This is twice that, so that the same length is enough where
+/// the end of a ray is rounded.
+const BOX_PADDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// A point where a ray meets a triangle: `(1 − u − v) A + u B + v C`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,29 +32,22 @@ pub struct Hit {
 
 /// Triangles ready for rays. Answers depend on the triangles alone, not on the order in which boxes are visited.
 pub struct RayCaster {
-    bvh: CwBvh,
-    /// In the order of the tree's leaves; `bvh.primitive_indices` leads back to the caller's order.
+    tree: RayTree,
+    /// In the order of the tree's leaves; `tree.order` leads back to the caller's order.
     triangles: Vec<[DVec3; 3]>,
     /// The frame of the boxes: `(p − centre) / diagonal`, so that absolute thresholds of the tree never see the scene's scale.
     centre: DVec3,
-    diagonal: f64,
+    /// One over the diagonal.
+    scale: f64,
 }
 
 /// A ray in the frame of the boxes.
 struct BoxRay {
-    ray: Ray,
-    /// Box units by which the start was moved along the ray; negative when it was moved back.
+    ray: TreeRay,
+    /// Box units by which the start was moved along the ray.
     skipped: f64,
     /// Box units for each unit of the caller's `t`.
     per_t: f64,
-}
-
-struct PaddedBox(Aabb);
-
-impl Boundable for PaddedBox {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
 }
 
 impl RayCaster {
@@ -88,31 +66,18 @@ impl RayCaster {
         };
 
         let padding = DVec3::splat(BOX_PADDING);
-        let boxes: Vec<PaddedBox> = triangles
-            .iter()
-            .map(|corners| {
-                let [a, b, c] = corners.map(|p| (p - centre) / diagonal);
-                PaddedBox(Aabb {
-                    min: (a.min(b).min(c) - padding).as_vec3a(),
-                    max: (a.max(b).max(c) + padding).as_vec3a(),
-                })
-            })
-            .collect();
-        let bvh = build_cwbvh(
-            &boxes,
-            BvhBuildParams::medium_build(),
-            &mut Duration::default(),
-        );
-        let triangles = bvh
-            .primitive_indices
-            .iter()
-            .map(|&i| triangles[i as usize])
-            .collect();
+        let tree = RayTree::new(triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|p| (p - centre) / diagonal);
+            let (low, high) = (a.min(b).min(c) - padding, a.max(b).max(c) + padding);
+            (low.as_vec3a(), high.as_vec3a())
+        }));
+        let in_order = tree.order.iter();
+        let triangles = in_order.map(|&i| triangles[i as usize]).collect();
         Self {
-            bvh,
+            tree,
             triangles,
             centre,
-            diagonal,
+            scale: diagonal.recip(),
         }
     }
 
@@ -137,20 +102,19 @@ impl RayCaster {
         let box_ray = self.box_ray(origin, dir, t_max)?;
         let woop = WoopRay::new(origin, dir);
         let mut best: Option<Hit> = None;
-        let test = |_: &Ray, leaf: usize| {
-            let found = woop
-                .hit(&self.triangles[leaf], self.bvh.primitive_indices[leaf])
-                .filter(|hit| hit.t > t_min && hit.t < t_max && accept(hit));
-            let Some(hit) = found else {
-                return f32::INFINITY;
-            };
-            if best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle)) {
-                best = Some(hit);
+        self.tree.nearest(&box_ray.ray, |leaf| {
+            for place in leaf {
+                let found = woop
+                    .hit(&self.triangles[place], self.tree.order[place])
+                    .filter(|hit| hit.t > t_min && hit.t < t_max && accept(hit));
+                if let Some(hit) = found
+                    && best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle))
+                {
+                    best = Some(hit);
+                }
             }
-            box_ray.cull_behind(hit.t)
-        };
-        self.bvh
-            .ray_traverse(box_ray.ray, &mut RayHit::none(), test);
+            best.map_or(f32::INFINITY, |b| box_ray.cull_behind(b.t))
+        });
         best
     }
 
@@ -170,14 +134,13 @@ impl RayCaster {
             return false;
         };
         let woop = WoopRay::new(a, b - a);
-        let test = |_: &Ray, leaf: usize| {
-            let triangle = self.bvh.primitive_indices[leaf];
-            let blocks = woop
-                .hit(&self.triangles[leaf], triangle)
-                .is_some_and(|hit| hit.t > t_min && hit.t < t_max && !skip(triangle));
-            if blocks { 0.0 } else { f32::INFINITY }
-        };
-        !self.bvh.ray_traverse_miss(box_ray.ray, test)
+        self.tree.any(&box_ray.ray, |mut leaf| {
+            leaf.any(|place| {
+                let triangle = self.tree.order[place];
+                woop.hit(&self.triangles[place], triangle)
+                    .is_some_and(|hit| hit.t > t_min && hit.t < t_max && !skip(triangle))
+            })
+        })
     }
 
     /// The ray in the frame of the boxes, or none when it has no direction or ends before them.
@@ -187,19 +150,17 @@ impl RayCaster {
         {
             return None;
         }
-        let (start, unit) = ((origin - self.centre) / self.diagonal, dir / length);
+        let (start, unit) = ((origin - self.centre) * self.scale, dir * (1.0 / length));
         // Move a far start to the unit sphere, which holds every box, before f32 takes its digits.
-        let skipped = (start.length() - 1.0).max(0.0) - RUN_UP;
-        let per_t = length / self.diagonal;
+        let skipped = (start.length_squared().max(1.0)).sqrt() - 1.0;
+        let per_t = length * self.scale;
         let end = t_max * per_t - skipped + BOX_PADDING;
         (end > 0.0).then(|| BoxRay {
-            ray: Ray::new(
-                (start + unit * skipped).as_vec3a(),
-                // Adding zero turns −0 into +0: the tree takes −0 for a positive direction with a negative inverse.
-                unit.as_vec3a() + Vec3A::ZERO,
-                0.0,
-                end.min(BEYOND_ALL_BOXES) as f32,
-            ),
+            ray: TreeRay {
+                origin: (start + unit * skipped).as_vec3a(),
+                direction: unit.as_vec3a(),
+                end: end as f32,
+            },
             skipped,
             per_t,
         })
@@ -217,7 +178,7 @@ impl std::fmt::Debug for RayCaster {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("RayCaster")
             .field("triangles", &self.triangles.len())
-            .field("nodes", &self.bvh.nodes.len())
+            .field("nodes", &self.tree.node_count())
             .finish_non_exhaustive()
     }
 }
@@ -248,14 +209,16 @@ impl WoopRay {
     /// Where the line of the ray meets the triangle, edges and corners included; none when it is seen edge-on.
     fn hit(&self, corners: &[DVec3; 3], triangle: u32) -> Option<Hit> {
         let [x, y, z] = self.axes;
-        let [a, b, c] = corners.map(|p| {
-            let p = p - self.origin;
+        let sheared = |p: &DVec3| {
+            let (p, o) = (p.as_ref(), self.origin.as_ref());
+            let along = p[z] - o[z];
             DVec3::new(
-                p[x] - self.shear.x * p[z],
-                p[y] - self.shear.y * p[z],
-                self.shear.z * p[z],
+                (p[x] - o[x]) - self.shear.x * along,
+                (p[y] - o[y]) - self.shear.y * along,
+                self.shear.z * along,
             )
-        });
+        };
+        let [a, b, c] = [0, 1, 2].map(|k| sheared(&corners[k]));
         // Twice the signed areas that the ray makes with the three edges: the weights of the opposite corners.
         let (wa, wb, wc) = (cross(c, b), cross(a, c), cross(b, a));
         if (wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0) {

@@ -130,7 +130,7 @@ impl Receiver {
             if stretch.predicted < best.map_or(least, |b| b.0) {
                 break;
             }
-            let measured = self.measure_break(light, p, &stretch);
+            let measured = self.measure_break(light, p, &stretch, least);
             if measured >= least && best.is_none_or(|b| rounded(measured) > rounded(b.0)) {
                 best = Some((measured, i));
             }
@@ -143,8 +143,14 @@ impl Receiver {
     }
 
     /// How much the irradiance departs, across the stretch, from one smooth function: the jump of its slope over the
-    /// triangle's reach to both sides, W/m²; nothing where the light is more curved than kinked.
-    fn measure_break(&mut self, light: &Illumination, p: [DVec2; 3], stretch: &Stretch) -> f64 {
+    /// triangle's reach to both sides, W/m²; nothing where the light is more curved than kinked, or where it is below `least`.
+    fn measure_break(
+        &mut self,
+        light: &Illumination,
+        p: [DVec2; 3],
+        stretch: &Stretch,
+        least: f64,
+    ) -> f64 {
         let middle = stretch.middle();
         let normal = (stretch.ends[1] - stretch.ends[0])
             .perp()
@@ -162,8 +168,19 @@ impl Receiver {
         if h <= 0.0 {
             return 0.0;
         }
-        let mut at = |t: f64| self.exact_direct(light, middle + normal * (t * h));
-        let (e0, near, far) = (at(0.0), [at(0.5), at(-0.5)], [at(1.0), at(-1.0)]);
+        // What rays tell past a crowd is rougher than any kink.
+        let look = self.look(light, middle);
+        if !look.is_exact {
+            return 0.0;
+        }
+        let mut at = |t: f64| self.look(light, middle + normal * (t * h)).light;
+        let (e0, near) = (look.light, [at(0.5), at(-0.5)]);
+        // Half the jump S of the slope and an eighth of both curvatures; of a kink these are at most S / KINK_SHARE each.
+        let bend = (near[0] + near[1] - e0 * 2.0).0.mean_square().sqrt();
+        if bend < (1.0 - 0.5 / KINK_SHARE) * least {
+            return 0.0;
+        }
+        let far = [at(1.0), at(-1.0)];
         // One-sided parabolas through 0, ½, 1: slope and curvature at the line in units of h.
         let fit = |k: usize| {
             let slope = near[k] * 4.0 - far[k] - e0 * 3.0;

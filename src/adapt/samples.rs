@@ -2,6 +2,7 @@
 
 use super::misfit::Misfit;
 use super::{Illumination, Receiver};
+use crate::direct::Look;
 use crate::mesh::{GridPoint, ReceiverMesh, barycentric};
 use crate::quantity::Irradiance;
 use crate::scene::Size;
@@ -25,7 +26,7 @@ const LINES_MEASURED: usize = 1;
 const SHARED_LOOKS: usize = 64;
 
 /// A point that several elements ask about, on the doubled grid: a vertex or the middle of an edge; or, with the ends of an
-/// edge on a border of the values, the point beside its middle, to its left.
+/// edge on a border of the values, the point beside its middle, to its left; or a point beside a vertex there.
 type Key = [i64; 4];
 
 /// No coordinate is as large: the key of a point and not of an edge.
@@ -34,6 +35,11 @@ const NO_EDGE: i64 = i64::MAX;
 /// The key of the middle between two vertices, which may be the same.
 fn point(a: GridPoint, b: GridPoint) -> Key {
     [a.x + b.x, a.y + b.y, NO_EDGE, NO_EDGE]
+}
+
+/// The key of a point beside a border of the values, which lies on no grid.
+fn beside(p: DVec2) -> Key {
+    [p.x.to_bits() as i64, p.y.to_bits() as i64, NO_EDGE, 0]
 }
 
 /// Mixes the coordinates of keys. They are ours, so nobody chooses them to collide.
@@ -177,20 +183,27 @@ impl Receiver {
         if self.outlook.is_none() { looks } else { 0 }
     }
 
-    /// Exact direct irradiance at a point of the plane, W/m².
-    pub(super) fn exact_direct(&mut self, light: &Illumination, p: DVec2) -> Irradiance {
+    /// A look at the direct light at a point of the plane that is counted.
+    pub(super) fn look(&mut self, light: &Illumination, p: DVec2) -> Look {
         self.samples.evaluations += self.counted(1);
-        self.direct_at(light, p)
+        self.look_at(light, p)
     }
 
     /// Direct irradiance at a point of the plane as exactly as the refinement needs it, W/m².
     pub(super) fn direct_at(&self, light: &Illumination, p: DVec2) -> Irradiance {
+        self.look_at(light, p).light
+    }
+
+    fn look_at(&self, light: &Illumination, p: DVec2) -> Look {
         let (view, direct) = (self.view(p), light.direct);
         SCRATCH.with_borrow_mut(|scratch| match &self.outlook {
-            Some(outlook) => direct.irradiance_through(outlook, &view, scratch),
+            Some(outlook) => Look {
+                light: direct.irradiance_through(outlook, &view, scratch),
+                is_exact: false,
+            },
             None => {
                 let tolerance = self.size.accuracy() * light.tolerance;
-                direct.irradiance_within(&view, tolerance, scratch)
+                direct.look_within(&view, tolerance, scratch)
             }
         })
     }
@@ -208,7 +221,7 @@ impl Receiver {
         let direct = match self.samples.points.get(&key) {
             Some(known) if known.changes == changes => return known.light,
             Some(known) => known.light[0],
-            None => self.exact_direct(light, p),
+            None => self.look(light, p).light,
         };
         let light = [direct, self.indirect_at(light, p)];
         self.samples.points.insert(key, Known { light, changes });
@@ -237,26 +250,20 @@ impl Receiver {
         light: &Illumination,
         mesh: &ReceiverMesh,
     ) -> [Vec<Irradiance>; 2] {
-        let key = |s: usize| {
-            let g = mesh.vertices[mesh.site_vertices[s] as usize];
-            point(g, g)
-        };
-        let (limits, shared): (Vec<usize>, Vec<usize>) =
-            (0..mesh.site_points.len()).partition(|&s| mesh.is_limit[s]);
-        self.remember(light, shared.iter().map(|&s| (key(s), mesh.site_points[s])));
-        let at_limits = all(&limits, |&s| {
-            let p = mesh.site_points[s];
-            [self.direct_at(light, p), self.indirect_at(light, p)]
-        });
-        self.samples.evaluations += self.counted(limits.len());
-        let mut both = [0, 1].map(|_| vec![Irradiance::ZERO; mesh.site_points.len()]);
-        for (s, found) in limits.into_iter().zip(at_limits) {
-            [both[0][s], both[1][s]] = found;
-        }
-        for s in shared {
-            [both[0][s], both[1][s]] = self.remembered(light, key(s), mesh.site_points[s]);
-        }
-        both
+        let sites: Vec<(Key, DVec2)> = (0..mesh.site_points.len())
+            .map(|s| {
+                let p = mesh.site_points[s];
+                if mesh.is_limit[s] {
+                    return (beside(p), p);
+                }
+                let g = mesh.vertices[mesh.site_vertices[s] as usize];
+                (point(g, g), p)
+            })
+            .collect();
+        self.remember(light, sites.iter().copied());
+        let both = sites.iter().map(|&(key, p)| self.remembered(light, key, p));
+        let (direct, indirect) = both.map(|[d, i]| (d, i)).unzip();
+        [direct, indirect]
     }
 
     /// Light at the middle of edge `k` of element `e`, direct and indirect, W/m².

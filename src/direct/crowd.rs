@@ -24,6 +24,39 @@ const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
 const FIRST: u32 = 64;
 const MOST: u32 = 1024;
 
+/// The form factor of what is seen of one polygon.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Factor {
+    pub(super) value: f64,
+    /// Whether it was cut, and not looked at by rays past a crowd.
+    pub(super) is_exact: bool,
+}
+
+/// The direct light at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// Irradiance, W/m².
+    pub light: Irradiance,
+    /// Whether no emitter was looked at past a crowd.
+    pub is_exact: bool,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            light: Irradiance::ZERO,
+            is_exact: true,
+        }
+    }
+}
+
+impl Look {
+    pub(super) fn add(&mut self, polygon: &EmitterPolygon, factor: Factor) {
+        self.light += Irradiance(polygon.exitance.0 * factor.value);
+        self.is_exact &= factor.is_exact;
+    }
+}
+
 impl DirectLight<'_> {
     /// The form factor of what `view` sees of a polygon; behind a crowd of blockers off by about `doubt` (standard deviation).
     ///
@@ -35,14 +68,22 @@ impl DirectLight<'_> {
         polygon: &EmitterPolygon,
         view: &Viewpoint,
         scratch: &mut Scratch,
-    ) -> f64 {
+    ) -> Factor {
         let blockers = self.blockers;
         let most = if doubt > 0.0 { CROWD } else { usize::MAX };
-        visible_factor_past_few(most, polygon, blockers, view, scratch).unwrap_or_else(|| {
-            self.looks_by_rays.fetch_add(1, Ordering::Relaxed);
-            let factor = unoccluded_factor(polygon, blockers, view, scratch);
-            factor * share_by_rays(doubt / factor, sequence, polygon, blockers, view)
-        })
+        if let Some(value) = visible_factor_past_few(most, polygon, blockers, view, scratch) {
+            let is_exact = true;
+            return Factor {
+                value: value.max(0.0),
+                is_exact,
+            };
+        }
+        self.looks_by_rays.fetch_add(1, Ordering::Relaxed);
+        let open = unoccluded_factor(polygon, blockers, view, scratch).max(0.0);
+        Factor {
+            value: open * share_by_rays(doubt / open, sequence, polygon, blockers, view),
+            is_exact: false,
+        }
     }
 
     /// How often a crowd of blockers stood before an emitter, and rays were used.
@@ -53,23 +94,25 @@ impl DirectLight<'_> {
     /// Irradiance at `view` straight from all emitters, W/m²: exact, but for each that is looked at past a crowd of blockers
     /// off by about `tolerance` (standard deviation, W/m², mean of the channels). Rays of another `sequence` (of which there
     /// are 2²²) are wrong in another way.
-    pub fn irradiance_past_crowds(
+    pub fn look_past_crowds(
         &self,
         view: &Viewpoint,
         tolerance: f64,
         sequence: u32,
         scratch: &mut Scratch,
-    ) -> Irradiance {
-        let mut sum = Irradiance::ZERO;
+    ) -> Look {
+        let mut look = Look::default();
         for polygon in &self.polygons {
             let doubt = tolerance / polygon.exitance.0.mean();
-            let factor = self.factor_within(doubt, sequence, polygon, view, scratch);
-            sum += Irradiance(polygon.exitance.0 * factor.max(0.0));
+            look.add(
+                polygon,
+                self.factor_within(doubt, sequence, polygon, view, scratch),
+            );
         }
         for light in &self.lights {
-            sum += irradiance_by(light, self.blockers, view);
+            look.light += irradiance_by(light, self.blockers, view);
         }
-        sum
+        look
     }
 
     /// Whether `view` sees any of the emitters, or of a light; behind a crowd of blockers, whether the first rays do.
@@ -79,7 +122,8 @@ impl DirectLight<'_> {
             let doubt = open / f64::from(FIRST);
             // What the cutting of cones leaves of a hidden emitter is no light.
             open > 0.0
-                && self.factor_within(doubt, 0, polygon, view, scratch) > open * CUTTING_ROUNDOFF
+                && self.factor_within(doubt, 0, polygon, view, scratch).value
+                    > open * CUTTING_ROUNDOFF
         };
         let is_lit = |l: &PunctualLight| irradiance_by(l, self.blockers, view).mean() > 0.0;
         self.polygons.iter().any(shows) || self.lights.iter().any(is_lit)

@@ -5,6 +5,7 @@
 //! to many emitters add like random steps: the triangles of a bulb are as many samples of it.
 
 use super::DirectLight;
+use super::crowd::{Factor, Look};
 use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
 use crate::quantity::Irradiance;
@@ -33,25 +34,20 @@ impl DirectLight<'_> {
     /// Irradiance at `view` straight from all emitters, W/m², where they are many off by about `tolerance` (rms, W/m², mean
     /// of the channels), and by as much about each that is looked at past a crowd of blockers. Elsewhere it is that of
     /// [`DirectLight::irradiance`].
-    pub fn irradiance_within(
-        &self,
-        view: &Viewpoint,
-        tolerance: f64,
-        scratch: &mut Scratch,
-    ) -> Irradiance {
+    pub fn look_within(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Look {
         if self.polygons.len() <= FEW {
-            return self.irradiance_past_crowds(view, tolerance, 0, scratch);
+            return self.look_past_crowds(view, tolerance, 0, scratch);
         }
         let prospects = self.prospects(view, scratch);
         let found = self.factors(&prospects, tolerance, view, scratch);
-        let mut sum = Irradiance::ZERO;
+        let mut look = Look::default();
         for (p, factor) in prospects.iter().zip(found) {
-            sum += Irradiance(p.polygon.exitance.0 * factor);
+            look.add(p.polygon, factor);
         }
         for light in &self.lights {
-            sum += irradiance_by(light, self.blockers, view);
+            look.light += irradiance_by(light, self.blockers, view);
         }
-        sum
+        look
     }
 
     /// Roughly the irradiance at `view`, W/m²: each emitter is seen wholly or not, as one ray to its middle tells.
@@ -92,18 +88,20 @@ impl DirectLight<'_> {
         tolerance: f64,
         view: &Viewpoint,
         scratch: &mut Scratch,
-    ) -> SmallVec<[f64; USUAL]> {
+    ) -> SmallVec<[Factor; USUAL]> {
         let weak = match self.polygons.len() <= FEW {
             true => 0.0,
             false => weakest(prospects.iter().map(|p| p.light), tolerance),
         };
         let mut factor = |p: &Prospect| {
             if p.light <= weak {
-                return self.factor_by_ray(p, view);
+                return Factor {
+                    value: self.factor_by_ray(p, view),
+                    is_exact: true,
+                };
             }
             let doubt = tolerance / p.polygon.exitance.0.mean();
             self.factor_within(doubt, 0, p.polygon, view, scratch)
-                .max(0.0)
         };
         prospects.iter().map(&mut factor).collect()
     }

@@ -7,6 +7,7 @@ mod many;
 mod outlook;
 mod punctual;
 
+pub use crowd::Look;
 pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};
 pub use outlook::Outlook;

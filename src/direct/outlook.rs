@@ -21,16 +21,16 @@ pub struct Outlook {
 }
 
 impl DirectLight<'_> {
-    /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::irradiance_within`] `tolerance`.
+    /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::look_within`] `tolerance`.
     pub fn outlook(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Outlook {
         let prospects = self.prospects(view, scratch);
         let factors = self.factors(&prospects, tolerance, view, scratch);
         let mut outlook = Outlook::default();
         for (p, factor) in prospects.iter().zip(factors) {
-            if factor <= 0.0 {
+            if factor.value <= 0.0 {
                 continue;
             }
-            let share = (factor / p.factor).min(1.0);
+            let share = (factor.value / p.factor).min(1.0);
             outlook.seen.push((p.number, share));
             outlook.doubt += (share * (1.0 - share) * p.light).powi(2);
         }

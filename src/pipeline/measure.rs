@@ -181,7 +181,9 @@ fn look(solution: &Solution, s: &Sample, i: usize, tools: &mut Tools) -> Found {
     let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
     // Not the rays that the vertices looked by, and others at each sample.
     let (direct, doubt) = (&solution.direct, solution.tolerance);
-    let mut known = direct.irradiance_past_crowds(&view, doubt, 1 + i as u32, &mut tools.scratch);
+    let mut known = direct
+        .look_past_crowds(&view, doubt, 1 + i as u32, &mut tools.scratch)
+        .light;
     let mut field_off = None;
     if let (Some(field), Some(gatherer), Some(f)) =
         (&solution.indirect, &mut tools.gatherer, r.solve_face)

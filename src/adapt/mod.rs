@@ -66,8 +66,12 @@ const AIM_SHARE: f64 = 0.97;
 /// A mesh that needs more passes than this is beyond what bisection can do in the grid's 2²⁵ pixels.
 const MAX_PASSES: usize = 64;
 
-/// How often points are removed. The first time saves a fifth of the elements, each later one about 5 %.
+/// How often points are removed at most. The first time saves a fifth of the elements.
 const THINNINGS: usize = 3;
+
+/// Points are removed again only where the last time has left at most this share of the elements for the same error: in
+/// dappled light what is removed is bought back.
+const THINNED_SHARE: f64 = 0.9;
 
 /// A point goes when its removal costs at most this share of what the mean point is worth.
 ///
@@ -207,6 +211,8 @@ pub fn refine(
     let mut report = AdaptReport::default();
     let mut limit = None;
     let mut thinnings = 0;
+    // Elements when the error was last met.
+    let mut before = usize::MAX;
     let mut room = Room::new(meter);
     let mut squeezes = 0;
     update(receivers, light, limit)?;
@@ -245,6 +251,11 @@ pub fn refine(
                 .for_each(|r| r.refine(light, least, target));
             limit = Some(least);
         } else if thinnings < THINNINGS && report.passes + 1 < MAX_PASSES {
+            let count = errors.squares.len();
+            if count as f64 > THINNED_SHARE * before as f64 {
+                break;
+            }
+            before = count;
             thinnings += 1;
             let removed = thin_out(receivers, light, &errors, thinnings == THINNINGS);
             report.removed += removed;

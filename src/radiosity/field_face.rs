@@ -3,7 +3,7 @@
 use super::SolveFace;
 use super::locator::Locator;
 use super::nodes::NodalField;
-use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
+use crate::mesh::{GridPoint, MeshError, ReceiverMesh, barycentric};
 use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
@@ -25,6 +25,11 @@ const PROBED_SHARE: f64 = 0.08;
 /// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
 const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
 
+/// The squared error of quadratic interpolation that is expected to be left when an element is halved: a 64th where light is
+/// smooth, a quarter across a kink, and never less than gathers differ by. Fields of two rooms were off by 1.1 to 1.4 times
+/// their estimate with this share, by 1.3 to 1.5 times with an eighth.
+const HALVED_SHARE: f64 = 0.5;
+
 /// An element whose longest edge is shorter than this many pixels is not divided.
 const SMALLEST_EDGE_PX: f64 = 64.0;
 
@@ -35,6 +40,39 @@ struct Knowledge {
     middles: [Option<Irradiance>; 3],
     /// Error found in its middle (mean square), once gathered there.
     centre: Option<f64>,
+    /// What a coarser element told of it, until it is gathered.
+    inherited: Option<Inherited>,
+}
+
+impl Inherited {
+    /// With this value at the middle of edge `k`.
+    fn with(mut self, k: usize, value: Irradiance) -> Self {
+        self.middles[k] = value;
+        self
+    }
+}
+
+impl Knowledge {
+    /// Forgets what was inherited where all is gathered.
+    fn settle(&mut self) {
+        if self.middles.iter().all(Option::is_some) {
+            self.inherited = None;
+        }
+    }
+
+    /// The value at the middle of edge `k`, as far as one is known.
+    fn middle(&self, k: usize) -> Option<Irradiance> {
+        self.middles[k].or(self.inherited.map(|i| i.middles[k]))
+    }
+}
+
+/// What is known of an element from the one that was divided into it.
+#[derive(Clone, Copy, Debug)]
+struct Inherited {
+    /// Values at the midpoints of its edges.
+    middles: [Irradiance; 3],
+    /// Expected error (mean square).
+    error: f64,
 }
 
 /// Values on one side of a face.
@@ -128,6 +166,9 @@ impl FieldFace {
 
     fn error(&self, e: usize) -> f64 {
         let known = &self.known[e];
+        if let Some(inherited) = known.inherited {
+            return self.mesh.area(e) * inherited.error;
+        }
         let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
         let mut square = 0.0_f64;
         for k in 0..3 {
@@ -234,7 +275,7 @@ impl FieldFace {
         let mut added = Vec::with_capacity(self.values.len());
         for s in 0..self.values.len() {
             let amount = more(self.mesh.site_points[s]);
-            added.push(amount.0.mean_square());
+            added.push(amount);
             self.values[s] += amount;
             if !self.mesh.is_limit[s] {
                 let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
@@ -242,6 +283,12 @@ impl FieldFace {
             }
         }
         for e in 0..self.known.len() {
+            let corners = self.mesh.sites[e].map(|s| added[s as usize]);
+            if let Some(inherited) = &mut self.known[e].inherited {
+                for k in 0..3 {
+                    inherited.middles[k] += (corners[k] + corners[(k + 1) % 3]) * 0.5;
+                }
+            }
             for k in 0..3 {
                 let Some(old) = self.known[e].middles[k] else {
                     continue;
@@ -267,7 +314,8 @@ impl FieldFace {
         }
         (0..self.mesh.elements.len())
             .map(|e| {
-                let sum: f64 = self.mesh.sites[e].iter().map(|&s| added[s as usize]).sum();
+                let square = |&s: &u32| added[s as usize].0.mean_square();
+                let sum: f64 = self.mesh.sites[e].iter().map(square).sum();
                 self.mesh.area(e) * sum / 3.0
             })
             .sum()
@@ -299,10 +347,12 @@ impl FieldFace {
                 for j in 0..3 {
                     if self.mesh.neighbours[other][j] == Some(e as u32) {
                         self.known[other].middles[j] = Some(value);
+                        self.known[other].settle();
                     }
                 }
             }
         }
+        self.known[e].settle();
     }
 
     /// Doubled grid coordinates of the midpoint of edge `k` of element `e`.
@@ -343,33 +393,64 @@ impl FieldFace {
         if self.points.len() == before {
             return Ok(());
         }
-        let old: HashMap<[GridPoint; 3], Knowledge> = self
-            .mesh
-            .elements
-            .iter()
-            .zip(&self.known)
-            .map(|(t, &k)| (t.map(|v| self.mesh.vertices[v as usize]), k))
+        let keys = |mesh: &ReceiverMesh, e: usize| {
+            let corners: [u32; 3] = mesh.elements[e];
+            corners.map(|v| mesh.vertices[v as usize])
+        };
+        let old: HashMap<[GridPoint; 3], Knowledge> = (0..self.known.len())
+            .map(|e| (keys(&self.mesh, e), self.known[e]))
             .collect();
-        self.mesh = Arc::new(face.domain.mesh(&[], &self.points)?);
-        self.locator = Arc::new(Locator::new(&self.mesh));
+        let mesh = Arc::new(face.domain.mesh(&[], &self.points)?);
+        let mut heirs: Vec<Option<Inherited>> = (0..mesh.elements.len())
+            .map(|e| match old.contains_key(&keys(&mesh, e)) {
+                true => None,
+                false => self.bequeath(&mesh, e, elements),
+            })
+            .collect();
+        join(&mut heirs, &mesh);
+        self.locator = Arc::new(Locator::new(&mesh));
+        self.mesh = mesh;
         self.values = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
         self.fill_sites(ask);
         self.known = (0..self.mesh.elements.len())
             .map(|e| {
-                let key = self.mesh.elements[e].map(|v| self.mesh.vertices[v as usize]);
-                old.get(&key).copied().unwrap_or_else(|| Knowledge {
-                    middles: [0, 1, 2].map(|k| {
-                        if self.mesh.is_barrier(e, k) {
-                            None
-                        } else {
-                            self.gathered.get(&self.key(e, k)).copied()
-                        }
-                    }),
-                    centre: None,
-                })
+                let new = || {
+                    let gathered = |k| self.gathered.get(&self.key(e, k)).copied();
+                    let mut new = Knowledge {
+                        middles: [0, 1, 2].map(|k| match self.mesh.is_barrier(e, k) {
+                            true => None,
+                            false => gathered(k),
+                        }),
+                        centre: None,
+                        inherited: heirs[e],
+                    };
+                    new.settle();
+                    new
+                };
+                old.get(&keys(&self.mesh, e)).copied().unwrap_or_else(new)
             })
             .collect();
         Ok(())
+    }
+
+    /// What this mesh knows of element `e` of a finer one, where it interpolates quadratically; `divided` are the elements
+    /// (ascending) that are halved there.
+    fn bequeath(&self, finer: &ReceiverMesh, e: usize, divided: &[usize]) -> Option<Inherited> {
+        let (parent, _) = self.locator.locate(&self.mesh, finer.centre(e))?;
+        let known = &self.known[parent];
+        if (0..3).any(|k| known.middle(k).is_none()) {
+            return None;
+        }
+        let share = match divided.binary_search(&parent) {
+            Ok(_) => HALVED_SHARE,
+            Err(_) => 1.0,
+        };
+        let (p, corners) = (finer.corners(e), self.mesh.corners(parent));
+        let at = |k: usize| barycentric(corners, p[k].midpoint(p[(k + 1) % 3]));
+        Some(Inherited {
+            middles: [0, 1, 2].map(|k| self.interpolate(parent, at(k))),
+            error: share * self.error(parent) / self.mesh.area(parent),
+        })
     }
 
     /// Quadratic interpolation over element `e`; linear along edges whose midpoint is not known.
@@ -378,7 +459,7 @@ impl FieldFace {
         let mut sum = Irradiance::ZERO;
         for k in 0..3 {
             sum += corners[k] * b[k];
-            if let Some(m) = self.known[e].middles[k] {
+            if let Some(m) = self.known[e].middle(k) {
                 let bend = m - (corners[k] + corners[(k + 1) % 3]) * 0.5;
                 sum += bend * (4.0 * b[k] * b[(k + 1) % 3]);
             }
@@ -392,6 +473,27 @@ impl FieldFace {
         match self.locator.locate(&self.mesh, p) {
             Some((e, b)) => self.interpolate(e, b),
             None => Irradiance::ZERO,
+        }
+    }
+}
+
+/// Gives neighbours that inherit different values for the edge between them the mean of both: the field has no jumps but on
+/// borders of the values.
+fn join(heirs: &mut [Option<Inherited>], mesh: &ReceiverMesh) {
+    for e in 0..heirs.len() {
+        for k in 0..3 {
+            let Some(f) = mesh.neighbours[e][k].map(|f| f as usize).filter(|&f| f > e) else {
+                continue;
+            };
+            let back = (0..3).find(|&j| mesh.neighbours[f][j] == Some(e as u32));
+            let (Some(j), false) = (back, mesh.is_barrier(e, k)) else {
+                continue;
+            };
+            if let (Some(a), Some(b)) = (heirs[e], heirs[f]) {
+                let mean = (a.middles[k] + b.middles[j]) * 0.5;
+                heirs[e] = Some(a.with(k, mean));
+                heirs[f] = Some(b.with(j, mean));
+            }
         }
     }
 }

@@ -158,7 +158,7 @@ impl<'w> Case<'w> {
             .ids()
             .map(|f| {
                 let domain = FaceDomain::new(scene, f, FaceSide::Front, &[], &[], &[]);
-                (domain, Rgb::grey(REFLECTANCE))
+                (domain.into(), Rgb::grey(REFLECTANCE))
             })
             .collect();
         let mesh = SolveMesh::new(domains, spacing).expect("a cube can be meshed");

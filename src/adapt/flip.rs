@@ -9,6 +9,7 @@ use super::misfit::unfitted;
 use super::{Illumination, Receiver};
 use crate::mesh::{ReceiverMesh, orient};
 use crate::quantity::Irradiance;
+use std::sync::Arc;
 
 /// A diagonal is turned when that leaves at most this share of the error: so the turning ends, and noise turns nothing.
 const LEFT_SHARE: f64 = 0.9;
@@ -60,7 +61,7 @@ impl Receiver {
     pub(super) fn turn_diagonals(
         &mut self,
         light: &Illumination,
-        mesh: &mut ReceiverMesh,
+        mesh: &mut Arc<ReceiverMesh>,
         limit: f64,
     ) {
         let mut open: Vec<(usize, usize)> = (0..mesh.elements.len())
@@ -72,7 +73,7 @@ impl Receiver {
                 continue;
             };
             if self.should_turn(light, mesh, &mut misfits, pair, FLOOR_SHARE * limit) {
-                mesh.flip(pair.e, pair.k, pair.f, pair.m);
+                Arc::make_mut(mesh).flip(pair.e, pair.k, pair.f, pair.m);
                 for t in [pair.e, pair.f] {
                     misfits[t] = [None; 3];
                     open.extend([(t, 0), (t, 1), (t, 2)]);

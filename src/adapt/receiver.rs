@@ -8,9 +8,10 @@ use crate::direct::Outlook;
 use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Irradiance;
-use crate::scene::{FaceId, FaceSide, Scene, Size};
+use crate::scene::{Scene, Size};
 use crate::visibility::Viewpoint;
 use glam::DVec2;
+use std::sync::Arc;
 
 /// An element is not divided when its longest edge is shorter than this many pixels: the grid's rounding (a few pixels)
 /// would show in its shape.
@@ -19,9 +20,9 @@ const SMALLEST_EDGE_PX: f64 = 64.0;
 /// The display mesh of one side of a face with its light.
 pub struct Receiver {
     /// Geometry that stays.
-    pub domain: FaceDomain,
+    pub domain: Arc<FaceDomain>,
     /// The mesh of the last update.
-    pub mesh: ReceiverMesh,
+    pub mesh: Arc<ReceiverMesh>,
     /// Direct irradiance to show at the sites of `mesh`, W/m².
     pub direct: Vec<Irradiance>,
     /// Indirect irradiance to show at the sites of `mesh`, W/m².
@@ -53,27 +54,13 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// A receiver with its starting points `spacing` metres apart.
-    pub fn new(
-        scene: &Scene,
-        face: FaceId,
-        side: FaceSide,
-        lines: FaceLines,
-        spacing: f64,
-    ) -> Self {
-        let domain = FaceDomain::new(
-            scene,
-            face,
-            side,
-            &lines.contacts,
-            &lines.candidates,
-            &lines.covers,
-        );
+    /// A receiver with its starting points `spacing` metres apart; `lines` are those of `domain`.
+    pub fn new(scene: &Scene, domain: Arc<FaceDomain>, lines: FaceLines, spacing: f64) -> Self {
         let points = domain.seed_points(spacing);
         let candidates = &lines.candidates;
         Self {
             domain,
-            mesh: ReceiverMesh::default(),
+            mesh: Arc::default(),
             direct: Vec::new(),
             indirect: Vec::new(),
             solve_face: None,
@@ -205,7 +192,7 @@ impl Receiver {
         if !self.is_lit || !self.errors.is_empty() {
             return;
         }
-        let mesh = std::mem::take(&mut self.mesh);
+        let mesh = Arc::clone(&self.mesh);
         self.errors = self.measure_all(light, &mesh, target);
         let mut added = [0, 1].map(|i| vec![Irradiance::ZERO; self.exact[i].len()]);
         if is_fitted {
@@ -223,7 +210,6 @@ impl Receiver {
             both.map(|(&v, &a)| v + a).collect()
         };
         (self.direct, self.indirect) = (sum(0), sum(1));
-        self.mesh = mesh;
     }
 
     /// Irradiance to show at site `s`, W/m².
@@ -261,7 +247,7 @@ impl Receiver {
         if !self.is_lit {
             return;
         }
-        let mesh = std::mem::take(&mut self.mesh);
+        let mesh = Arc::clone(&self.mesh);
         let pixel = self.domain.grid.pixel_size();
         for e in 0..mesh.elements.len() {
             if rounded(self.errors[e].square) < rounded(limit)
@@ -283,7 +269,6 @@ impl Receiver {
         }
         self.points.sort_unstable();
         self.points.dedup();
-        self.mesh = mesh;
     }
 
     /// The middle of the edge along which interpolation fails most, of the longest among equals.

@@ -10,6 +10,7 @@ use super::{Illumination, Receiver};
 use crate::mesh::{EdgeSource, GridPoint, ReceiverMesh, orient};
 use crate::quantity::Irradiance;
 use glam::DVec2;
+use std::sync::Arc;
 
 /// The elements around a vertex with their corner there, counter-clockwise.
 struct Star {
@@ -101,7 +102,7 @@ impl Receiver {
         if !self.is_lit {
             return found;
         }
-        let mesh = std::mem::take(&mut self.mesh);
+        let mesh = Arc::clone(&self.mesh);
         let mut corners: Vec<Option<(usize, usize)>> = vec![None; mesh.vertices.len()];
         for (e, elements) in mesh.elements.iter().enumerate() {
             for k in 0..3 {
@@ -129,7 +130,6 @@ impl Receiver {
             let loss = rounded(a.loss).total_cmp(&rounded(b.loss));
             loss.then(a.vertex.cmp(&b.vertex))
         });
-        self.mesh = mesh;
         found
     }
 

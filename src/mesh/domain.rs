@@ -9,7 +9,7 @@ use crate::geom::{AffineMap, PlaneFrame, Polygon2};
 use crate::scene::{EdgeId, FaceId, FaceSide, Pattern, Scene, VertexId};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A stretch of the face's outline along one edge of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +42,8 @@ pub struct FaceDomain {
     covers: Vec<Polygon2>,
     lines: Vec<[GridPoint; 2]>,
     weld_distance: f64,
+    /// The mesh along outline and contact lines alone, once it was asked for: on most of many faces the only one.
+    bare: OnceLock<Arc<ReceiverMesh>>,
 }
 
 /// What a mesh edge lies on.
@@ -115,6 +117,7 @@ impl FaceDomain {
                 .collect(),
             lines: candidates.iter().map(flat).collect(),
             weld_distance: scene.weld_distance,
+            bare: OnceLock::new(),
         }
     }
 
@@ -183,7 +186,18 @@ impl FaceDomain {
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
-    pub fn mesh(&self, kept: &[u32], points: &[GridPoint]) -> Result<ReceiverMesh, MeshError> {
+    pub fn mesh(&self, kept: &[u32], points: &[GridPoint]) -> Result<Arc<ReceiverMesh>, MeshError> {
+        if !(kept.is_empty() && points.is_empty()) {
+            return Ok(Arc::new(self.mesh_anew(kept, points)?));
+        }
+        if let Some(mesh) = self.bare.get() {
+            return Ok(mesh.clone());
+        }
+        let mesh = Arc::new(self.mesh_anew(kept, points)?);
+        Ok(self.bare.get_or_init(|| mesh).clone())
+    }
+
+    fn mesh_anew(&self, kept: &[u32], points: &[GridPoint]) -> Result<ReceiverMesh, MeshError> {
         let (outlines, contacts) = (self.outline.len(), self.contacts.len());
         let source = |i: usize| u32::try_from(i).expect("fewer than 2³² lines on a face");
         let mut segments: Vec<Segment> = Vec::with_capacity(outlines + contacts + kept.len());

@@ -12,6 +12,7 @@ use crate::mesh::FaceDomain;
 use crate::scene::{EdgeId, FaceId, FaceSide};
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Directions of two faces that are parallel but for round-off have a sine of a few roundings.
 const FLAT_SINE: f64 = 16.0 * f64::EPSILON;
@@ -92,8 +93,9 @@ impl Rooms<'_> {
         others
             .filter(|g| domain.normal.dot(g.inwards) > FLAT_SINE)
             .filter(|g| {
-                let index = self.sides.binary_search(&(g.face, g.side));
-                index.is_ok_and(|i| self.is_lit[i])
+                let key = |d: &Arc<FaceDomain>| (d.face, d.side);
+                let found = self.domains.binary_search_by_key(&(g.face, g.side), key);
+                found.is_ok()
             })
             .collect()
     }

@@ -2,17 +2,17 @@
 
 use crate::adapt::Receiver;
 use crate::direct::DirectLight;
-use crate::discontinuity::LineMap;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::{Irradiance, Rgb};
 use crate::radiosity::{
     Basis, Bounces, IndirectField, Linking, Locator, Request, SolveMesh, Solver,
 };
-use crate::scene::{FaceId, FaceSide, Scene};
+use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::visibility::{Blockers, Scratch};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Elements of the mesh that guesses how much light is indirect, so that the error asked for means something in W/m².
 const GUESS_ELEMENTS: f64 = 100.0;
@@ -47,9 +47,8 @@ const SOLVE_SHARE: f64 = 0.01;
 pub(super) struct Rooms<'r> {
     pub(super) scene: &'r Scene,
     pub(super) blockers: &'r Blockers,
-    pub(super) lines: &'r LineMap,
-    pub(super) sides: &'r [(FaceId, FaceSide)],
-    pub(super) is_lit: &'r [bool],
+    /// The lit sides, sorted.
+    pub(super) domains: &'r [Arc<FaceDomain>],
 }
 
 /// Mean irradiance over the lit sides, W/m².
@@ -75,7 +74,7 @@ impl Rooms<'_> {
         let spacing = self.spacing(elements);
         let rims = self.rims(spacing);
         SolveMesh::graded(
-            self.domains(),
+            self.reflecting(),
             spacing,
             |domain, edge| {
                 error <= GRADED_ERROR && self.is_edge_lit(domain, edge, direct, guess, permitted)
@@ -87,32 +86,26 @@ impl Rooms<'_> {
         )
     }
 
-    fn lit(&self) -> impl Iterator<Item = (FaceId, FaceSide)> + '_ {
-        let both = self.sides.iter().zip(self.is_lit);
-        both.filter(|s| *s.1).map(|s| *s.0)
-    }
-
     /// Distance of neighbouring points when there are about so many elements, metres.
     fn spacing(&self, elements: f64) -> f64 {
-        let area: f64 = self.lit().map(|(f, _)| self.scene.faces[f].area).sum();
+        let area: f64 = self
+            .domains
+            .iter()
+            .map(|d| self.scene.faces[d.face].area)
+            .sum();
         (area / (LATTICE_TRIANGLE * elements)).sqrt()
     }
 
     /// The lit sides with their reflectances.
-    fn domains(&self) -> Vec<(FaceDomain, Rgb)> {
-        let scene = self.scene;
-        self.lit()
-            .map(|(face, side)| {
-                let l = self.lines.of(face, side);
-                let domain = FaceDomain::new(scene, face, side, &l.contacts, &[], &l.covers);
-                (domain, scene.faces[face].reflectance)
-            })
-            .collect()
+    fn reflecting(&self) -> Vec<(Arc<FaceDomain>, Rgb)> {
+        let faces = &self.scene.faces;
+        let both = |d: &Arc<FaceDomain>| (d.clone(), faces[d.face].reflectance);
+        self.domains.iter().map(both).collect()
     }
 
     /// Mean irradiance over the lit sides, roughly.
     pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<Guess, MeshError> {
-        let mesh = SolveMesh::new(self.domains(), self.spacing(GUESS_ELEMENTS))?;
+        let mesh = SolveMesh::new(self.reflecting(), self.spacing(GUESS_ELEMENTS))?;
         let sites: usize = mesh.faces.iter().map(|f| f.mesh.site_vertices.len()).sum();
         let is_crowded = sites > MANY_SITES;
         let at_sites: Vec<Vec<Irradiance>> = mesh

@@ -31,8 +31,9 @@ pub use summary::{LeftOut, Stage, Summary};
 use crate::adapt::Receiver;
 use crate::bad_input::BadInput;
 use crate::direct::DirectLight;
+use crate::discontinuity::{FaceLines, LineMap};
 use crate::lit_scene::LitScene;
-use crate::mesh::MeshError;
+use crate::mesh::{FaceDomain, MeshError};
 use crate::radiosity::{Bounces, IndirectField};
 use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
@@ -42,6 +43,7 @@ use indirect::Rooms;
 use lit::{guess_direct, lit_sides};
 pub use stages::MEASURE_SLACK;
 use stages::{Aim, Mesher, Run};
+use std::sync::Arc;
 
 /// Why a scene could not be lit.
 #[derive(Debug, thiserror::Error)]
@@ -143,14 +145,13 @@ pub fn light<'a>(
             .any(|&(f, _)| !scene.faces[f].reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
     let mean_direct = guess_direct(scene, &direct, &sides, &is_lit);
+    let domains = lit_domains(scene, &lines, &sides, &is_lit);
     let (mut mean_indirect, mut solve_mesh) = (0.0, None);
     if with_bounces {
         let rooms = Rooms {
             scene,
             blockers: &world.blockers,
-            lines: &lines,
-            sides: &sides,
-            is_lit: &is_lit,
+            domains: &domains,
         };
         let (guess, mesh) = run.guess(world, &rooms, &direct)?;
         (mean_indirect, solve_mesh) = (guess, Some(mesh));
@@ -163,7 +164,9 @@ pub fn light<'a>(
     };
     let weak = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
     let mut aim = Aim::new(mesher, solve_mesh.as_ref(), weak);
-    let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, &mut lines);
+    let mut receivers = aim
+        .mesher
+        .receivers(scene, &sides, &is_lit, domains, &mut lines);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;
     let indirect = match solve_mesh {
         Some(mesh) => Some(run.solve(world, mesh, &mut receivers, mean_indirect)?),
@@ -195,6 +198,23 @@ fn receiver_sides(scene: &Scene) -> Vec<(FaceId, FaceSide)> {
         .flat_map(|f| [FaceSide::Front, FaceSide::Back].map(|s| (f, s)))
         .filter(|&(f, s)| scene.receives(f, s))
         .collect()
+}
+
+/// What is to be meshed of the lit sides, with all their lines.
+fn lit_domains(
+    scene: &Scene,
+    lines: &LineMap,
+    sides: &[(FaceId, FaceSide)],
+    is_lit: &[bool],
+) -> Vec<Arc<FaceDomain>> {
+    let lit = sides.iter().zip(is_lit).filter(|s| *s.1);
+    lit.map(|(&(face, side), _)| Arc::new(domain(scene, face, side, lines.of(face, side))))
+        .collect()
+}
+
+fn domain(scene: &Scene, face: FaceId, side: FaceSide, lines: &FaceLines) -> FaceDomain {
+    let (contacts, candidates) = (&lines.contacts, &lines.candidates);
+    FaceDomain::new(scene, face, side, contacts, candidates, &lines.covers)
 }
 
 /// Mean irradiance that the meshes show over the lit surfaces, W/m².

@@ -3,16 +3,17 @@
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
 use super::measure::default_samples;
-use super::{LightError, Progress, Solution, Summary, World, mean_of};
+use super::{LightError, Progress, Solution, Summary, World, domain, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::budget::{Limit, Meter};
 use crate::direct::DirectLight;
 use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines};
-use crate::mesh::MeshError;
+use crate::mesh::{FaceDomain, MeshError};
 use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
 use crate::scene::{FaceId, FaceSide, Scene, Size};
 use crate::settings::Settings;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Lines of the second kind are left out when they change less than this share of the error asked for, relative to what
@@ -342,27 +343,37 @@ pub(super) struct Mesher {
 }
 
 impl Mesher {
-    /// The sides to mesh, with their lines: all that are lit, and the fronts of the others.
+    /// The sides to mesh, with their lines: all that are lit, whose `domains` are given, and the fronts of the others.
     pub(super) fn receivers(
         &self,
         scene: &Scene,
         sides: &[(FaceId, FaceSide)],
         is_lit: &[bool],
+        domains: Vec<Arc<FaceDomain>>,
         lines: &mut LineMap,
     ) -> Vec<Receiver> {
         let area = |face: FaceId| scene.faces[face].area;
         let lit = sides.iter().zip(is_lit).filter(|s| *s.1);
         let lit_area: f64 = lit.map(|(s, _)| area(s.0)).sum();
+        let mut domains = domains.into_iter();
         sides
             .iter()
             .zip(is_lit)
             .filter(|&(&(_, side), &lit)| lit || side == FaceSide::Front)
             .map(|(&(face, side), &lit)| {
-                let lines = match self.meshing {
-                    Meshing::Discontinuity => lines.take(face, side),
-                    Meshing::Adaptive | Meshing::Uniform => FaceLines::default(),
+                let with_lines = if lit { domains.next() } else { None };
+                let (domain, lines) = match self.meshing {
+                    Meshing::Discontinuity => {
+                        let lines = lines.take(face, side);
+                        let without = || Arc::new(domain(scene, face, side, &lines));
+                        (with_lines.unwrap_or_else(without), lines)
+                    }
+                    Meshing::Adaptive | Meshing::Uniform => {
+                        let none = FaceLines::default();
+                        (Arc::new(domain(scene, face, side, &none)), none)
+                    }
                 };
-                let mut r = Receiver::new(scene, face, side, lines, self.spacing);
+                let mut r = Receiver::new(scene, domain, lines, self.spacing);
                 r.is_lit = lit;
                 r.size = Size::new(area(face), lit_area);
                 r

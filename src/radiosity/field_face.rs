@@ -400,7 +400,7 @@ impl FieldFace {
         let old: HashMap<[GridPoint; 3], Knowledge> = (0..self.known.len())
             .map(|e| (keys(&self.mesh, e), self.known[e]))
             .collect();
-        let mesh = Arc::new(face.domain.mesh(&[], &self.points)?);
+        let mesh = face.domain.mesh(&[], &self.points)?;
         let mut heirs: Vec<Option<Inherited>> = (0..mesh.elements.len())
             .map(|e| match old.contains_key(&keys(&mesh, e)) {
                 true => None,

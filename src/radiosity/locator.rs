@@ -3,7 +3,10 @@
 use crate::mesh::{ReceiverMesh, barycentric};
 use glam::DVec2;
 
-/// A uniform grid of buckets over the triangles' boxes, about one triangle a bucket.
+/// So few triangles are all looked at: most of many faces have no more, and buckets would take more room than they.
+const FEW: usize = 4;
+
+/// A uniform grid of buckets over the triangles' boxes, about one triangle a bucket; none over few triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Locator {
     lo: DVec2,
@@ -21,6 +24,9 @@ impl Locator {
 
     /// Sorts `n` triangles with these corners into buckets.
     pub(super) fn of(n: usize, corners: impl Fn(usize) -> [DVec2; 3]) -> Self {
+        if n <= FEW {
+            return Self::default();
+        }
         let used = || (0..n).flat_map(&corners);
         let lo = used().fold(DVec2::INFINITY, DVec2::min);
         let hi = used().fold(DVec2::NEG_INFINITY, DVec2::max);
@@ -72,8 +78,6 @@ impl Locator {
         corners: impl Fn(usize) -> [DVec2; 3],
         p: DVec2,
     ) -> Option<(usize, [f64; 3])> {
-        let (i, j) = self.bucket(p);
-        let c = j * self.side + i;
         let depth = |e: usize| {
             let b = barycentric(corners(e), p);
             (e, b, b[0].min(b[1]).min(b[2]))
@@ -81,8 +85,13 @@ impl Locator {
         let deepest = |items: &mut dyn Iterator<Item = usize>| {
             items.map(depth).max_by(|a, b| a.2.total_cmp(&b.2))
         };
-        let range = self.starts[c] as usize..self.starts[c + 1] as usize;
-        let mut found = deepest(&mut self.items[range].iter().map(|&e| e as usize));
+        let mut found = None;
+        if !self.starts.is_empty() {
+            let (i, j) = self.bucket(p);
+            let c = j * self.side + i;
+            let range = self.starts[c] as usize..self.starts[c + 1] as usize;
+            found = deepest(&mut self.items[range].iter().map(|&e| e as usize));
+        }
         if found.is_none_or(|f| f.2 < 0.0) {
             found = deepest(&mut (0..n));
         }

@@ -34,7 +34,7 @@ const EDGE_ROW: f64 = 0.25;
 /// One side of one face in the solve mesh.
 pub struct SolveFace {
     /// Geometry.
-    pub domain: FaceDomain,
+    pub domain: Arc<FaceDomain>,
     /// Its elements.
     pub mesh: Arc<ReceiverMesh>,
     /// Mean diffuse reflectance of this side.
@@ -72,7 +72,7 @@ impl SolveMesh {
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
-    pub fn new(domains: Vec<(FaceDomain, Rgb)>, spacing: f64) -> Result<Self, MeshError> {
+    pub fn new(domains: Vec<(Arc<FaceDomain>, Rgb)>, spacing: f64) -> Result<Self, MeshError> {
         Self::graded(domains, spacing, |_, _| false, |_| &[])
     }
 
@@ -82,7 +82,7 @@ impl SolveMesh {
     /// # Errors
     /// [`MeshError`]: our own bug.
     pub fn graded<'r>(
-        domains: Vec<(FaceDomain, Rgb)>,
+        domains: Vec<(Arc<FaceDomain>, Rgb)>,
         spacing: f64,
         is_graded: impl Fn(&FaceDomain, EdgeId) -> bool,
         rims: impl Fn(&FaceDomain) -> &'r [[DVec3; 2]],
@@ -188,7 +188,7 @@ fn row_along(
 
 impl SolveFace {
     fn new(
-        domain: FaceDomain,
+        domain: Arc<FaceDomain>,
         points: &[GridPoint],
         reflectance: Rgb,
         spacing: f64,
@@ -218,7 +218,7 @@ impl SolveFace {
             middle_point: largest.map_or(centre, |e| domain.frame.to_space(mesh.centre(e))),
             rectangle,
             domain,
-            mesh: Arc::new(mesh),
+            mesh,
             reflectance,
         })
     }

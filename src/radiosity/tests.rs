@@ -47,7 +47,7 @@ fn cube(rho: f64) -> Scene {
 fn mesh_of(scene: &Scene, rho: f64) -> SolveMesh {
     let sides = scene.faces.ids().map(|f| {
         let domain = FaceDomain::new(scene, f, FaceSide::Front, &[], &[], &[]);
-        (domain, Rgb::grey(rho))
+        (domain.into(), Rgb::grey(rho))
     });
     // Wider than the faces: each is one element.
     SolveMesh::new(sides.collect(), 2.0).expect("a cube can be meshed")

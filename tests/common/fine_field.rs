@@ -1,7 +1,6 @@
 //! Indirect light from a solution of its own, finer than the one under test and without its display mesh.
 
 use glam::DVec2;
-use umbrage::mesh::FaceDomain;
 use umbrage::pipeline::Solution;
 use umbrage::quantity::Irradiance;
 use umbrage::radiosity::{
@@ -29,9 +28,7 @@ pub(crate) fn solve_mesh(solution: &Solution, elements: f64) -> Option<SolveMesh
                 .iter()
                 .find(|r| (r.domain.face, r.domain.side) == (face, side))
                 .expect("every side of the solve mesh is a receiver");
-            let lines = &receiver.lines;
-            let domain = FaceDomain::new(scene, face, side, &lines.contacts, &[], &lines.covers);
-            (domain, f.reflectance)
+            (receiver.domain.clone(), f.reflectance)
         })
         .collect();
     let spacing = (area / (0.433 * elements)).sqrt();

@@ -88,7 +88,7 @@ fn rays_and_cutting_are_as_good_as_they_say() {
     let sides = scene.faces.ids().flat_map(|f| {
         [FaceSide::Front, FaceSide::Back].map(|side| {
             let domain = FaceDomain::new(&scene, f, side, &[], &[], &[]);
-            (domain, Rgb::grey(REFLECTANCE))
+            (domain.into(), Rgb::grey(REFLECTANCE))
         })
     });
     let mesh = SolveMesh::new(sides.collect(), 0.25).expect("it can be meshed");

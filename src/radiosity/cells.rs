@@ -20,6 +20,7 @@ use crate::quantity::{Radiosity, Rgb};
 use crate::scene::FaceSide;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A cell without children.
 const LEAF: u32 = u32::MAX;
@@ -57,7 +58,8 @@ pub(super) struct Cell {
 /// The trees of one side of one face; parents come before their children.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceCells {
-    pub(super) cells: Vec<Cell>,
+    /// Shared by copies of the tree until one of them grows.
+    pub(super) cells: Arc<Vec<Cell>>,
     /// The first so many cells are roots.
     pub(super) roots: u32,
     root_locator: Locator,
@@ -158,7 +160,7 @@ impl FaceCells {
             coarse: 0,
             basis,
             exposure: vec![Greatest::default(); cells.len()],
-            cells,
+            cells: Arc::new(cells),
         };
         let mut i = 0;
         while i < tree.cells.len() {
@@ -177,9 +179,10 @@ impl FaceCells {
         if u32::from(parent.depth) >= MAX_DEPTH {
             return false;
         }
-        self.cells[i].child = self.cells.len() as u32;
+        let cells = Arc::make_mut(&mut self.cells);
+        cells[i].child = cells.len() as u32;
         for flat in parent.halves() {
-            self.cells.push(Cell::new(flat, face, parent.depth + 1));
+            cells.push(Cell::new(flat, face, parent.depth + 1));
             self.exposure.push(self.exposure[i].clone());
         }
         true

@@ -20,9 +20,12 @@ const CROWD: usize = 1024;
 /// Share of an emitter that may be left of it by rounding when it is hidden: slivers as wide as a few thousand roundings.
 const CUTTING_ROUNDOFF: f64 = 4096.0 * f64::EPSILON;
 
-/// Rays at first, and at most.
+/// Rays at first, and at most. Through leaves 512 even rays were off by .007 of the emitter (rms of 1590 looks), 1024 by .006.
 const FIRST: u32 = 64;
-const MOST: u32 = 1024;
+const MOST: u32 = 512;
+
+/// Even rays are off by less than as many random ones: in those looks by .8 of it from 64 or 128, by .4 from 512.
+const EVEN_SHARE: f64 = 0.8;
 
 /// The form factor of what is seen of one polygon.
 #[derive(Clone, Copy, Default)]
@@ -93,7 +96,7 @@ impl DirectLight<'_> {
 
     /// Irradiance at `view` straight from all emitters, W/m²: exact, but for each that is looked at past a crowd of blockers
     /// off by about `tolerance` (standard deviation, W/m², mean of the channels). Rays of another `sequence` (of which there
-    /// are 2²²) are wrong in another way.
+    /// are 2²³) are wrong in another way.
     pub fn look_past_crowds(
         &self,
         view: &Viewpoint,
@@ -152,7 +155,8 @@ fn share_by_rays(
         let (share, n) = (seen / all, f64::from(rays));
         // All rays alike do not prove that the next one is, too (Laplace's rule of succession).
         let likely = (share * n + 1.0) / (n + 2.0);
-        if rays >= MOST || (likely * (1.0 - likely) / n).sqrt() <= doubt {
+        let random = (likely * (1.0 - likely) / n).sqrt();
+        if rays >= MOST || EVEN_SHARE * random <= doubt {
             return share;
         }
         next = 2 * rays;

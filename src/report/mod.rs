@@ -6,6 +6,7 @@
 
 mod check;
 mod convergence;
+mod extremes;
 mod fit;
 mod grid;
 mod growth;
@@ -22,6 +23,7 @@ pub use check::regressions;
 pub use convergence::{
     ERRORS, MemoryMeter, POINTS, ReportSettings, SceneReport, StageCost, convergence,
 };
+pub use extremes::many_lamps;
 pub use fit::{crossing, exponent};
 pub use grid::{FaceGrid, face_grid, standard_spacing};
 pub use growth::{GrowthRow, growth};
@@ -33,7 +35,7 @@ pub use scenes::{
     ReportScene, blinds, box_on_floor, city, default_scenes, door_ajar, furnace, moved,
     square_over_square,
 };
-pub use stability::{StabilityRow, stability};
+pub use stability::{StabilityCase, StabilityRow, stability, stability_cases};
 pub use statistics::LightStatistics;
 pub use tables::{growth_csv, stability_csv, stages_csv};
 

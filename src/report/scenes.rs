@@ -151,12 +151,12 @@ const LAMP: u32 = 1;
 /// Radiance of the lamps, W/(m² sr).
 const LAMP_RADIANCE: f64 = 10.0;
 
-struct Builder {
-    raw: RawScene,
+pub(super) struct Builder {
+    pub(super) raw: RawScene,
 }
 
 impl Builder {
-    fn new(name: &str) -> Self {
+    pub(super) fn new(name: &str) -> Self {
         let matte = Material {
             name: "matte".to_owned(),
             reflectance: Rgb::grey(0.5),
@@ -178,7 +178,6 @@ impl Builder {
         }
     }
 
-    /// The parallelogram at `corner` along `u` and `v`; `u × v` is its front.
     /// A matte square in the plane y = 0 about the origin, `half` metres to each side.
     fn floor(&mut self, half: f64) {
         let [corner, u, v] = [
@@ -189,7 +188,8 @@ impl Builder {
         self.rectangle("floor", MATTE, corner, u, v);
     }
 
-    fn rectangle(
+    /// The parallelogram at `corner` along `u` and `v`; `u × v` is its front.
+    pub(super) fn rectangle(
         &mut self,
         group: &str,
         material: u32,
@@ -199,6 +199,18 @@ impl Builder {
     ) {
         let [p, u, v] = [corner, u, v].map(DVec3::from_array);
         self.polygon(group, material, &[p, p + u, p + u + v, p + v]);
+    }
+
+    /// A material that reflects and shines alike in all channels; exitance in W/m².
+    pub(super) fn material(&mut self, reflectance: f64, exitance: f64) -> u32 {
+        let materials = &mut self.raw.materials;
+        materials.push(Material {
+            name: format!("material {}", materials.len()),
+            reflectance: Rgb::grey(reflectance),
+            emission: Radiance(Rgb::grey(exitance / PI)),
+            ..Material::default()
+        });
+        materials.len() as u32 - 1
     }
 
     fn lamp(&mut self, corner: [f64; 3], u: [f64; 3], v: [f64; 3]) {
@@ -240,7 +252,7 @@ impl Builder {
     }
 
     /// The inside of a box.
-    fn room(&mut self, low: [f64; 3], high: [f64; 3]) {
+    pub(super) fn room(&mut self, low: [f64; 3], high: [f64; 3]) {
         let [[a, b, c], [x, y, z]] = [low, high];
         let p = |x, y, z| DVec3::new(x, y, z);
         let walls = [

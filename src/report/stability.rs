@@ -1,5 +1,6 @@
 //! Stiff and extreme scenes: is the light finite, not negative, balanced, and as exact as is said?
 
+use super::extremes;
 use super::scenes::{blinds, box_on_floor, door_ajar, furnace, moved, square_over_square};
 use crate::adapt::Receiver;
 use crate::io::builtin::cornell_box;
@@ -9,8 +10,9 @@ use crate::radiosity::Bounces;
 use crate::scene::RawScene;
 use crate::settings::Settings;
 
-/// Error asked for in every case.
+/// Error asked for in every case but those of many lamps, which take long at it.
 const ERROR: f64 = 0.02;
+const ERROR_OF_MANY_LAMPS: f64 = 0.05;
 
 /// One case and how it went.
 #[derive(Clone, Debug)]
@@ -48,20 +50,28 @@ impl StabilityRow {
     }
 }
 
-/// A case: the scene, its bounces, and the irradiance (W/m²) that is known of it.
-struct Case {
-    raw: RawScene,
-    bounces: Bounces,
-    known: Option<f64>,
+/// One scene to try.
+#[derive(Clone, Debug)]
+pub struct StabilityCase {
+    /// What is tried; its source is the name of the case.
+    pub raw: RawScene,
+    /// Which light.
+    pub bounces: Bounces,
+    /// Error asked for.
+    pub error: f64,
+    /// The irradiance (W/m²) everywhere, where that is known on paper.
+    pub known: Option<f64>,
 }
 
-fn cases() -> Vec<Case> {
-    let of = |raw, bounces, known| Case {
+/// Every case of the table.
+pub fn stability_cases() -> Vec<StabilityCase> {
+    let of = |raw, bounces, known| StabilityCase {
         raw,
         bounces,
+        error: ERROR,
         known,
     };
-    let mut cases: Vec<Case> = [0.1, 0.5, 0.9, 0.99]
+    let mut cases: Vec<StabilityCase> = [0.1, 0.5, 0.9, 0.99, 0.9999]
         .map(|rho| of(furnace(rho), Bounces::All, Some(1.0)))
         .into();
     cases.extend([0.1, 0.01].map(|gap| of(door_ajar(gap), Bounces::All, None)));
@@ -74,6 +84,20 @@ fn cases() -> Vec<Case> {
     cases.extend(far.map(|(name, scale, shift)| {
         of(moved(cornell_box(), name, scale, shift), Bounces::All, None)
     }));
+    let rooms = [
+        extremes::black_floor(),
+        extremes::black_speck(),
+        extremes::lamps_of_all_powers(),
+        extremes::lamps_of_all_sizes(),
+        extremes::micrometre_gap(),
+        extremes::curtain_on_lamp(),
+        extremes::half_covered_lamp(),
+    ];
+    cases.extend(rooms.map(|raw| of(raw, Bounces::All, None)));
+    cases.push(StabilityCase {
+        error: ERROR_OF_MANY_LAMPS,
+        ..of(extremes::many_lamps(12, 12), Bounces::All, None)
+    });
     let direct = [square_over_square(), box_on_floor(), blinds(16)];
     cases.extend(direct.map(|raw| of(raw, Bounces::Count(0), None)));
     let mut dark = square_over_square();
@@ -90,38 +114,44 @@ fn cases() -> Vec<Case> {
 /// # Errors
 /// A fault of our own: the scenes are the report's.
 pub fn stability(tell: &mut dyn FnMut(&str)) -> Result<Vec<StabilityRow>, LightError> {
-    let mut rows = Vec::new();
-    for case in cases() {
+    let rows = stability_cases().into_iter().map(|case| {
         tell(&format!("stability: {}", case.raw.source));
-        let settings = Settings {
-            error: ERROR,
-            bounces: case.bounces,
-            ..Settings::default()
-        };
-        let world = World::new(&case.raw, &settings)?;
-        let solution = light(&world, &settings, &mut |_, _| {})?;
-        rows.push(judged(&case, &solution));
-    }
-    Ok(rows)
+        case.row()
+    });
+    rows.collect()
 }
 
-fn judged(case: &Case, solution: &Solution) -> StabilityRow {
-    let lit = || solution.receivers.iter().filter(|r| r.is_lit);
-    let values = || lit().flat_map(|r| (0..r.mesh.site_vertices.len()).map(|s| r.site_total(s).0));
-    let s = &solution.summary;
-    let imbalance = imbalance(solution);
-    StabilityRow {
-        name: case.raw.source.clone(),
-        is_finite: values().all(Rgb::is_finite),
-        is_positive: values().all(|e| e.0.min_element() >= 0.0),
-        imbalance,
-        is_balanced: imbalance <= ERROR,
-        asked: ERROR,
-        measured: s.measured.relative_rms,
-        known: case.known.map(|known| off(lit(), known)),
-        sweeps: s.solve.residuals.len(),
-        rounds: s.rounds,
-        elements: s.elements,
+impl StabilityCase {
+    /// Lights the scene, and judges the light.
+    ///
+    /// # Errors
+    /// The scene cannot be lit as asked.
+    pub fn row(&self) -> Result<StabilityRow, LightError> {
+        let settings = Settings {
+            error: self.error,
+            bounces: self.bounces,
+            ..Settings::default()
+        };
+        let world = World::new(&self.raw, &settings)?;
+        let solution = light(&world, &settings, &mut |_, _| {})?;
+        let lit = || solution.receivers.iter().filter(|r| r.is_lit);
+        let values =
+            || lit().flat_map(|r| (0..r.mesh.site_vertices.len()).map(|s| r.site_total(s).0));
+        let s = &solution.summary;
+        let imbalance = imbalance(&solution);
+        Ok(StabilityRow {
+            name: self.raw.source.clone(),
+            is_finite: values().all(Rgb::is_finite),
+            is_positive: values().all(|e| e.0.min_element() >= 0.0),
+            imbalance,
+            is_balanced: imbalance <= self.error,
+            asked: self.error,
+            measured: s.measured.relative_rms,
+            known: self.known.map(|known| off(lit(), known)),
+            sweeps: s.solve.residuals.len(),
+            rounds: s.rounds,
+            elements: s.elements,
+        })
     }
 }
 

@@ -295,6 +295,11 @@ impl CellLight {
         (self.corners[0] + self.corners[1] + self.corners[2]) * (1.0 / 3.0)
     }
 
+    /// RMS over the cell and the channels, W/m².
+    pub(super) fn rms(&self) -> f64 {
+        self.square.mean().max(0.0).sqrt()
+    }
+
     /// Largest difference between corners, of any channel, W/m².
     pub(super) fn range(&self) -> f64 {
         let [a, b, c] = self.corners.map(|c| c.0.0);

@@ -266,7 +266,7 @@ impl<'a> Gatherer<'a> {
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
         let Some(seen) = walk.look(c) else { return };
-        let rays = seen.form_factor * walk.strength(c).largest / walk.oracle.ray;
+        let rays = seen.form_factor * walk.strength(c).rms / walk.oracle.ray;
         if rays > 1.0
             && let Some(child) = walk.tree.cells[c].first_child()
         {
@@ -405,7 +405,7 @@ impl<'a> Gatherer<'a> {
         let strays = strength.deviation * seen.form_factor * seen.spread;
         // Behind many blockers the children, each behind fewer, are cut for less.
         let is_cluttered = touching.len() > MANY_BLOCKERS
-            && seen.form_factor * strength.largest > SAMPLED_FACTOR * walk.oracle.ray;
+            && seen.form_factor * strength.rms > SAMPLED_FACTOR * walk.oracle.ray;
         match walk.tree.cells[c].first_child() {
             Some(child) if strays > walk.oracle.link || is_cluttered => {
                 self.descend(walk, child, touching.clone(), sink);
@@ -438,7 +438,7 @@ impl<'a> Gatherer<'a> {
         let n = walk.view.horizon.normal;
         let touching = &self.touching[touching];
         let cones = || touching.iter().map(|&i| self.cones.get(i as usize));
-        let rays = seen.form_factor * strength.largest / walk.oracle.ray;
+        let rays = seen.form_factor * strength.rms / walk.oracle.ray;
         if touching.len() > FEW_BLOCKERS && rays <= SAMPLED_FACTOR {
             return [sampled(n, seen.corners, cones) / 3.0; 3];
         }

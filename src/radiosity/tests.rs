@@ -22,40 +22,47 @@ fn cube(rho: f64) -> Scene {
         [0, 2, 6, 4],
         [1, 5, 7, 3],
     ];
+    let corners = (0..8).map(corner).collect();
+    scene_of(corners, faces.map(Vec::from).into(), rho)
+}
+
+/// Polygons of one reflectance.
+pub(super) fn scene_of(positions: Vec<DVec3>, polygons: Vec<Vec<u32>>, rho: f64) -> Scene {
+    let polygon = |corners| RawPolygon {
+        corners,
+        material: 0,
+        group: 0,
+    };
     let raw = RawScene {
-        source: "cube".to_owned(),
-        positions: (0..8).map(corner).collect(),
-        polygons: faces
-            .map(|corners| RawPolygon {
-                corners: corners.to_vec(),
-                material: 0,
-                group: 0,
-            })
-            .into(),
+        source: "test".to_owned(),
+        positions,
+        polygons: polygons.into_iter().map(polygon).collect(),
         materials: vec![Material {
             name: "wall".to_owned(),
             reflectance: Rgb::grey(rho),
             ..Material::default()
         }],
-        groups: vec!["cube".to_owned()],
+        groups: vec!["polygons".to_owned()],
         ..RawScene::default()
     };
-    clean(&raw, &CleanSettings::default()).expect("a cube").0
+    clean(&raw, &CleanSettings::default()).expect("a scene").0
 }
 
-/// The sides of a scene, all of one reflectance.
-fn mesh_of(scene: &Scene, rho: f64) -> SolveMesh {
+/// The fronts of a scene, all of one reflectance, with points `spacing` metres apart.
+pub(super) fn mesh_of(scene: &Scene, rho: f64, spacing: f64) -> SolveMesh {
     let sides = scene.faces.ids().map(|f| {
         let domain = FaceDomain::new(scene, f, FaceSide::Front, &[], &[], &[]);
         (domain.into(), Rgb::grey(rho))
     });
-    // Wider than the faces: each is one element.
-    SolveMesh::new(sides.collect(), 2.0).expect("a cube can be meshed")
+    SolveMesh::new(sides.collect(), spacing).expect("a clean scene can be meshed")
 }
+
+/// Wider than the faces of the cube: each is one element.
+const WIDE: f64 = 2.0;
 
 /// The mesh of the cube.
 pub(super) fn cube_mesh(rho: f64) -> SolveMesh {
-    mesh_of(&cube(rho), rho)
+    mesh_of(&cube(rho), rho, WIDE)
 }
 
 #[test]
@@ -69,7 +76,7 @@ fn one_element_a_face_lights_the_cube() {
         };
         let scene = cube(rho);
         let blockers = Blockers::new(&scene);
-        let mesh = mesh_of(&scene, rho);
+        let mesh = mesh_of(&scene, rho, WIDE);
         let cells = |f| FaceCells::new(f, mesh.spacing, Basis::Constant);
         let mut trees: Vec<FaceCells> = mesh.faces.iter().map(cells).collect();
         let is_up = |f: usize| mesh.faces[f].domain.normal.y < -0.5;

@@ -1,0 +1,83 @@
+//! The field of one face against light that is known everywhere.
+
+use super::FieldFace;
+use crate::geom::{even_point, even_point_in};
+use crate::quantity::{Irradiance, Rgb};
+use crate::radiosity::nodes::{FaceNodes, NodalField};
+use crate::radiosity::tests::{mesh_of, scene_of};
+use crate::visibility::Viewpoint;
+use glam::DVec3;
+
+const WELD_DISTANCE: f64 = 1e-9;
+
+/// Numbers in [0, 1), the same for each seed.
+fn numbers(seed: u32) -> impl FnMut() -> f64 {
+    let mut i = 100 * seed;
+    move || {
+        i += 1;
+        even_point(i * 7919 % 1_000_003).x
+    }
+}
+
+/// The corners of a floor whose back edge has narrow dents: its triangles are long and thin, and new points turn them into
+/// others that reach into their neighbours.
+fn dented(random: &mut impl FnMut() -> f64) -> Vec<DVec3> {
+    let (width, depth) = (1.0 + 9.0 * random(), 0.3 + 3.0 * random());
+    let mut outline = vec![[0.0, 0.0], [width, 0.0], [width, depth]];
+    let mut x = width;
+    for _ in 0..(4.0 * random()) as usize {
+        let dent = 0.02 + random() * width / 12.0;
+        x -= 0.01 + random() * width / 6.0;
+        let tip = depth * (0.95 - 0.9 * random());
+        outline.extend([[x, depth], [x - 0.3 * dent, tip], [x - dent, depth]]);
+        x -= dent;
+    }
+    outline.push([0.0, depth]);
+    let corners = outline.iter().map(|&[x, z]| DVec3::new(x, 0.0, z));
+    corners.rev().collect()
+}
+
+#[test]
+fn a_field_around_a_peak_does_not_exceed_it() {
+    let mut refined = 0;
+    for case in 0..600 {
+        let mut random = numbers(case);
+        let corners = dented(&mut random);
+        let polygon = (0..corners.len() as u32).collect();
+        let mesh = mesh_of(
+            &scene_of(corners, vec![polygon], 0.5),
+            0.5,
+            0.5 + 3.0 * random(),
+        );
+        let face = &mesh.faces[0];
+        let points = |i: u32| {
+            let element = i as usize % face.mesh.elements.len();
+            even_point_in(face.mesh.corners(element), i)
+        };
+        // Light that falls off from 1 in the middle of a peak.
+        let (peak, width) = (face.domain.frame.to_space(points(case)), 0.1 + random());
+        let light = |view: &Viewpoint| {
+            let squared = view.position.distance_squared(peak) / (width * width);
+            Irradiance(Rgb::grey((1.0 + squared).powi(-2)))
+        };
+        let mut views = Vec::new();
+        let nodes = [FaceNodes::new(face, WELD_DISTANCE, &mut views)];
+        let values: Vec<Irradiance> = views.iter().map(light).collect();
+        let start = NodalField {
+            nodes: &nodes,
+            values: &values,
+        };
+        let mut field = FieldFace::new(face, 0, &start);
+        let share = [0.5, 0.1, 0.01][case as usize % 3];
+        for _ in 0..8 {
+            let most = field.errors().into_iter().fold(0.0, f64::max);
+            let bought = field.buy(face, share * most, WELD_DISTANCE, light);
+            refined += bought.expect("a mesh");
+            let brightest = (0..400)
+                .map(|i| field.at(points(i)).mean())
+                .fold(0.0, f64::max);
+            assert!(brightest <= 1.01, "case {case}: {brightest}");
+        }
+    }
+    assert!(refined > 600 * 50, "{refined} gathers");
+}

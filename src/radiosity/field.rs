@@ -222,7 +222,7 @@ fn follow_limits(mesh: &SolveMesh, error: f64) -> FollowLimits {
 fn residual(
     mesh: &SolveMesh,
     trees: &mut [FaceCells],
-    old: &[FaceLight],
+    old: Vec<FaceLight>,
     error: f64,
     arriving: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
 ) -> (Vec<FaceLight>, Vec<FaceLight>) {
@@ -231,10 +231,10 @@ fn residual(
         Radiosity(face.reflectance_at(p) * arriving(face, f, p).0)
     });
     let residual = new
-        .iter()
+        .par_iter()
         .zip(old)
         .zip(trees)
-        .map(|((new, old), tree)| new.minus(old, tree))
+        .map(|((new, old), tree)| new.minus(&old, tree))
         .collect();
     (new, residual)
 }
@@ -299,7 +299,8 @@ impl<'a> IndirectField<'a> {
         for (f, held) in held.iter().enumerate() {
             transport.hold(f, held);
         }
-        let (values, report) = transport.solve(&mesh, &mut sources.faces, request.method())?;
+        let solved = transport.solve(&mesh, &sources.faces, request.method())?;
+        transport.take_over(&solved, &mut sources.faces);
         let solution = Coarse {
             light: Sources::new(&mesh, sources.faces, 0.0),
             mesh,
@@ -310,7 +311,7 @@ impl<'a> IndirectField<'a> {
             area,
         };
         let faces = match request.basis {
-            Basis::Linear => started(&solution.mesh, &transport.field(&values)),
+            Basis::Linear => started(&solution.mesh, &transport.field(&solved.values)),
             Basis::Constant => solution.gathered_at_nodes(),
         };
         let field = Self {
@@ -322,7 +323,7 @@ impl<'a> IndirectField<'a> {
             request,
             estimated_rms: 0.0,
         };
-        Ok((field, report))
+        Ok((field, solved.report))
     }
 
     /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²), or until `progress`
@@ -392,7 +393,7 @@ impl<'a> IndirectField<'a> {
         let (mut new, residual) = residual(
             mesh,
             &mut solution.trees,
-            &solution.light.faces,
+            std::mem::take(&mut solution.light.faces),
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
@@ -403,11 +404,11 @@ impl<'a> IndirectField<'a> {
         }
         // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
         let once = self.transport.gather_all(&residual);
-        let mut coarse = residual.clone();
-        let (all, _) = self
+        let all = self
             .transport
-            .solve(mesh, &mut coarse, self.request.method())
-            .expect("the same links have been solved before");
+            .solve(mesh, &residual, self.request.method())
+            .expect("the same links have been solved before")
+            .values;
         let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
         let (all, further) = (self.transport.field(&all), self.transport.field(&further));
         let trees = &solution.trees;

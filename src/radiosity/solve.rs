@@ -70,6 +70,15 @@ pub(super) struct Method {
     pub(super) tolerance: f64,
 }
 
+/// A solution.
+pub(super) struct Solved {
+    /// Indirect irradiance at the nodes.
+    pub(super) values: Vec<Irradiance>,
+    pub(super) report: SolveReport,
+    /// What the cells send in the end.
+    sent: Vec<Corners>,
+}
+
 /// The links of a solve mesh.
 pub(super) struct Transport {
     /// The cells that it links.
@@ -119,17 +128,14 @@ impl Transport {
 
     /// Solves for the indirect irradiance at the nodes, given in `light` what the cells send without it.
     ///
-    /// `light` then holds what the cells send in the end; the cells may have got children since they were linked, which are
-    /// left alone.
-    ///
     /// # Errors
     /// [`TooManyUnknowns`] of the dense solver.
     pub(super) fn solve(
         &self,
         mesh: &SolveMesh,
-        light: &mut [FaceLight],
+        light: &[FaceLight],
         method: Method,
-    ) -> Result<(Vec<Irradiance>, SolveReport), TooManyUnknowns> {
+    ) -> Result<Solved, TooManyUnknowns> {
         let direct = self.corners(light);
         let problem = Problem {
             system: &self.system,
@@ -142,17 +148,25 @@ impl Transport {
             Bounces::All => solvers::solve(&problem, method.solver)?,
         };
         let (sent, largest) = self.system.light_of(&outcome.x, Some(&direct));
+        let values = self.system.gather_all(&sent);
+        let residual = problem.change(&values, &outcome.x, largest);
+        Ok(Solved {
+            report: self.report(mesh, outcome, residual),
+            values: values.into_iter().map(irradiance).collect(),
+            sent,
+        })
+    }
+
+    /// Makes `light` what the cells send in the end; the cells may have got children since they were linked, which are left
+    /// alone.
+    pub(super) fn take_over(&self, solved: &Solved, light: &mut [FaceLight]) {
         for ((light, tree), block) in light.iter_mut().zip(&self.trees).zip(self.system.blocks()) {
             for leaf in &block.leaves {
-                let corners = sent[block.cells.start + leaf.cell as usize];
+                let corners = solved.sent[block.cells.start + leaf.cell as usize];
                 light.cells[leaf.cell as usize] = CellLight::linear(corners.map(radiosity));
             }
             light.pull(tree);
         }
-        let values = self.system.gather_all(&sent);
-        let residual = problem.change(&values, &outcome.x, largest);
-        let report = self.report(mesh, outcome, residual);
-        Ok((values.into_iter().map(irradiance).collect(), report))
     }
 
     fn report(&self, mesh: &SolveMesh, outcome: Outcome, residual: f64) -> SolveReport {

@@ -102,11 +102,10 @@ fn one_element_a_face_lights_the_cube() {
                 bounces: Bounces::All,
                 tolerance: 1e-11,
             };
-            let mut light = sent.clone();
-            let solved = transport.solve(&mesh, &mut light, method);
-            let (values, report) = solved.expect("six unknowns");
-            assert_eq!(report.nodes, 6);
-            for (f, e) in values.iter().enumerate() {
+            let solved = transport.solve(&mesh, &sent, method);
+            let solved = solved.expect("six unknowns");
+            assert_eq!(solved.report.nodes, 6);
+            for (f, e) in solved.values.iter().enumerate() {
                 let normal = mesh.faces[f].domain.normal.y;
                 let (own, expected) = match normal {
                     y if y < -0.5 => (1.0, ceiling),

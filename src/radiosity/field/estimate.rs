@@ -25,18 +25,20 @@ impl IndirectField<'_> {
         }
         let solution = &self.solution;
         let mut trees = solution.trees.clone();
-        let (_, mut light) = residual(
+        let (_, light) = residual(
             &solution.mesh,
             &mut trees,
-            &solution.light.faces,
+            solution.light.faces.clone(),
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
-        let (nodes, _) = self
+        let solved = self
             .transport
-            .solve(&solution.mesh, &mut light, self.request.method())
+            .solve(&solution.mesh, &light, self.request.method())
             .expect("the same links have been solved before");
-        SolutionError { nodes: Some(nodes) }
+        SolutionError {
+            nodes: Some(solved.values),
+        }
     }
 
     /// `error` at frame coordinates `p` of solve face `f`: what is missing there, W/m².

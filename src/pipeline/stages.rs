@@ -248,7 +248,7 @@ impl<'r, 'p> Run<'r, 'p> {
         let settings = self.settings;
         for round in 0..MAX_ROUNDS {
             if let Some(field) = &mut solution.indirect {
-                self.gather(field, &solution.receivers, aim.field, mean)?;
+                self.gather(field, &solution.receivers, aim.field, mean, round == 0)?;
                 solution.receivers.iter_mut().for_each(Receiver::relight);
             }
             // Without indirect light nothing is new the first time.
@@ -276,14 +276,15 @@ impl<'r, 'p> Run<'r, 'p> {
         Ok(())
     }
 
-    /// Gathers the field and corrects it by its residual, in turn: the first correction is made while there are few values
-    /// to correct.
+    /// Gathers the field and corrects it by its residual, in turn: the first correction of all is made while there are few
+    /// values to correct.
     fn gather(
         &mut self,
         field: &mut IndirectField,
         receivers: &[Receiver],
         share: f64,
         mean: f64,
+        is_first: bool,
     ) -> Result<(), MeshError> {
         let error = self.settings.error;
         let shown = Shown::new(receivers, field.mesh().faces.len());
@@ -293,7 +294,8 @@ impl<'r, 'p> Run<'r, 'p> {
                 break;
             }
             self.start("gather");
-            let coarser = if step == 0 { FIRST_CORRECTION } else { 1.0 };
+            let is_rough = is_first && step == 0;
+            let coarser = if is_rough { FIRST_CORRECTION } else { 1.0 };
             let target = coarser * error * share * mean;
             let (meter, clock) = (&self.meter, &mut self.clock);
             if step < 2 || field.estimate_rms() > CORRECTED_SLACK * target {

@@ -76,13 +76,10 @@ impl DirectLight<'_> {
         let most = if doubt > 0.0 { CROWD } else { usize::MAX };
         if let Some(value) = visible_factor_past_few(most, polygon, blockers, view, scratch) {
             let is_exact = true;
-            return Factor {
-                value: value.max(0.0),
-                is_exact,
-            };
+            return Factor { value, is_exact };
         }
         self.looks_by_rays.fetch_add(1, Ordering::Relaxed);
-        let open = unoccluded_factor(polygon, blockers, view, scratch).max(0.0);
+        let open = unoccluded_factor(polygon, blockers, view, scratch);
         Factor {
             value: open * share_by_rays(doubt / open, sequence, polygon, blockers, view),
             is_exact: false,

@@ -73,6 +73,9 @@ fn visible_factor(
 }
 
 /// The form factor of what `view` sees of a polygon, unless more than `most` screens may be in the way.
+///
+/// What is left of a polygon gives no more than all of it. The pieces may, next to where a blocker touches it: from a distance d
+/// the directions of their corners are off by round-off / d, and what is cut off along a line is not what is kept beside it.
 pub(super) fn visible_factor_past_few(
     most: usize,
     polygon: &EmitterPolygon,
@@ -85,7 +88,7 @@ pub(super) fn visible_factor_past_few(
         .visible_past_few(most, blockers, view, polygon.target(), |piece| {
             f += weight(view, piece);
         })
-        .then_some(f)
+        .then(|| f.clamp(0.0, unoccluded_factor(polygon, blockers, view, scratch)))
 }
 
 /// The form factor of a polygon as if nothing hid it.
@@ -100,7 +103,7 @@ pub(super) fn unoccluded_factor(
     scratch.visible_past(blockers, none, view, polygon.target(), |piece| {
         f += weight(view, piece);
     });
-    f
+    f.max(0.0)
 }
 
 /// Everything needed to evaluate light straight from the emitters.
@@ -164,7 +167,7 @@ impl<'a> DirectLight<'a> {
         let mut sum = Irradiance::ZERO;
         for polygon in self.polygons.iter().filter(|p| p.emitter == emitter) {
             let f = unoccluded_factor(polygon, self.blockers, view, scratch);
-            sum += Irradiance(polygon.exitance.0 * f.max(0.0));
+            sum += Irradiance(polygon.exitance.0 * f);
         }
         sum
     }
@@ -196,7 +199,7 @@ impl<'a> DirectLight<'a> {
         let mut sum = Irradiance::ZERO;
         for polygon in &self.polygons {
             let f = visible_factor(polygon, self.blockers, view, scratch);
-            sum += Irradiance(polygon.exitance.0 * f.max(0.0));
+            sum += Irradiance(polygon.exitance.0 * f);
         }
         for light in &self.lights {
             sum += irradiance_by(light, self.blockers, view);

@@ -47,7 +47,7 @@ impl DirectLight<'_> {
         let mut sum = Irradiance::ZERO;
         for &(number, share) in &outlook.seen {
             let polygon = &self.polygons[number as usize];
-            let factor = unoccluded_factor(polygon, self.blockers, view, scratch).max(0.0);
+            let factor = unoccluded_factor(polygon, self.blockers, view, scratch);
             sum += Irradiance(polygon.exitance.0 * (share * factor));
         }
         for light in &self.lights {

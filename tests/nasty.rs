@@ -22,11 +22,8 @@ const LONGEST: f64 = 10.0;
 /// Areas agree to this share, besides what moving the outline by a pixel makes of them.
 const AREA: f64 = 1e-9;
 
-/// Roundings of the exact light, relative to what there is unoccluded, and to what the lamp leaves (π W/m²).
-///
-/// Points where a blocker touches the lamp see it all around; there the cones of blockers cut it in slivers.
-const ROUND_OFF: f64 = 1e-7;
-const ROUND_OFF_DARK: f64 = 1e-13;
+/// Light past blockers is no more than all of it, but for the order in which the lamp's parts are summed.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
 /// Kept lines are in the mesh to this share of their length: their ends are moved to the grid.
 const SNAPPED: f64 = 1e-4;
@@ -132,15 +129,22 @@ fn check_light(solution: &Solution, receiver: &Receiver, what: &str) {
         let most = solution.direct.unoccluded(&view, &mut scratch).mean();
         assert!(found.is_finite() && found >= 0.0, "{what}: {found} at {p}");
         assert!(
-            found <= most * (1.0 + ROUND_OFF) + ROUND_OFF_DARK,
+            found <= most * (1.0 + ROUND_OFF),
             "{what}: {found} of {most} at {p}"
         );
     }
 }
 
+/// Scenes that failed once: a line that went on beyond its face; a point in the plane of the lamp that saw twice what there is
+/// to see.
+const FAILED_ONCE: [(Nasty, u64); 2] = [(Nasty::Lamp, 105_500), (Nasty::Lamp, 110_863)];
+
 #[test]
 fn nasty_scenes_are_baked_soundly() {
     let mut kept = 0;
+    for (nasty, seed) in FAILED_ONCE {
+        kept += check(nasty, seed);
+    }
     for seed in 0..40 {
         for nasty in Nasty::ALL {
             kept += check(nasty, seed);
@@ -178,7 +182,7 @@ fn print_a_nasty_scene() {
 
 /// `NASTY_FROM` and `NASTY_TO` choose the seeds.
 #[test]
-#[ignore = "a hundred thousand scenes take hours"]
+#[ignore = "a hundred thousand scenes take twenty minutes in release"]
 fn many_nasty_scenes_are_baked_soundly() {
     let seed = |name: &str, default: u64| {
         std::env::var(name).map_or(default, |text| text.parse().expect("a seed"))

@@ -25,6 +25,7 @@ pub(super) fn merge_all(scene: &Scene, lines: &mut FaceLines) {
                 (d, ends)
             })
             .filter_map(|(d, ends)| within(bounds, d, ends))
+            .filter_map(|(d, ends)| inside(&face.outline, scene.weld_distance, d, ends))
             .filter(|(_, ends)| !runs_along(&face.outline, *ends, scene.weld_distance))
             .collect();
         *list = merge(flat, scene.weld_distance);
@@ -34,7 +35,7 @@ pub(super) fn merge_all(scene: &Scene, lines: &mut FaceLines) {
 /// The part of a line in a box around its face: a ray that all but grazes the face rounds to anywhere on its plane.
 fn within(
     [low, high]: [DVec2; 2],
-    mut line: Discontinuity,
+    line: Discontinuity,
     ends: [DVec2; 2],
 ) -> Option<(Discontinuity, [DVec2; 2])> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -55,9 +56,32 @@ fn within(
     if from <= 0.0 && to >= 1.0 {
         return Some((line, ends));
     }
-    let cut = [from, to];
+    Some(shortened(line, ends, [from, to]))
+}
+
+/// The part of a line on its face, where it leaves that by more than `tol`: the same ray may round to beyond the outline.
+fn inside(
+    outline: &Polygon2,
+    tol: f64,
+    line: Discontinuity,
+    ends: [DVec2; 2],
+) -> Option<(Discontinuity, [DVec2; 2])> {
+    let leaves = |&e: &DVec2| !outline.contains(e) && outline.distance_to_outline(e) > tol;
+    if !ends.iter().any(leaves) {
+        return Some((line, ends));
+    }
+    let part = outline.longest_inside(ends[0], ends[1])?;
+    Some(shortened(line, ends, part))
+}
+
+/// A line between two shares of its length.
+fn shortened(
+    mut line: Discontinuity,
+    ends: [DVec2; 2],
+    cut: [f64; 2],
+) -> (Discontinuity, [DVec2; 2]) {
     line.ends = cut.map(|t| line.ends[0].lerp(line.ends[1], t));
-    Some((line, cut.map(|t| ends[0].lerp(ends[1], t))))
+    (line, cut.map(|t| ends[0].lerp(ends[1], t)))
 }
 
 /// True when one edge of the outline holds both ends within `tol`.

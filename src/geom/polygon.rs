@@ -39,6 +39,25 @@ impl Polygon2 {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// The longest stretch inside of the segment from `a` to `b`, as shares of its length; none when it stays outside.
+    pub fn longest_inside(&self, a: DVec2, b: DVec2) -> Option<[f64; 2]> {
+        let side = |p: DVec2| (b - a).perp_dot(p - a);
+        let mut cuts = vec![0.0, 1.0];
+        for (p, q) in self.loops.iter().flat_map(|l| edges(l)) {
+            let (from, to) = (side(p), side(q));
+            if (from > 0.0) != (to > 0.0) {
+                let meets = p + (q - p) * (from / (from - to));
+                let t = (meets - a).dot(b - a) / (b - a).length_squared();
+                cuts.extend((t > 0.0 && t < 1.0).then_some(t));
+            }
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
+        let is_inside = |w: &[f64]| self.contains(a.lerp(b, f64::midpoint(w[0], w[1])));
+        let stretches = cuts.windows(2).filter(|w| is_inside(w));
+        let longest = stretches.max_by(|v, w| (v[1] - v[0]).total_cmp(&(w[1] - w[0])))?;
+        Some([longest[0], longest[1]])
+    }
+
     /// Smallest box around all loops.
     pub fn bounds(&self) -> (DVec2, DVec2) {
         self.loops

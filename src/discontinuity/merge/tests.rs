@@ -36,3 +36,33 @@ fn a_line_is_found_from_both_its_ends() {
         assert_eq!(merge(lines, WELD).len(), 2, "{from} {to}");
     }
 }
+
+/// A ray that all but grazes an L-shaped face may round to beyond it, or to beyond the notch.
+#[test]
+fn a_line_ends_with_its_face() {
+    let corners = [(0., 0.), (4., 0.), (4., 1.), (1., 1.), (1., 4.), (0., 4.)];
+    let face = Polygon2 {
+        loops: vec![corners.map(DVec2::from).to_vec()],
+    };
+    let part = |a: (f64, f64), b: (f64, f64)| {
+        let (d, ends) = line(a.into(), b.into());
+        inside(&face, WELD, d, ends).map(|(_, ends)| ends.map(<(f64, f64)>::from))
+    };
+    assert_eq!(part((0.5, 0.5), (3.0, 0.5)), Some([(0.5, 0.5), (3.0, 0.5)]));
+    assert_eq!(part((2.0, 2.0), (3.0, 3.0)), None);
+    // From one arm over the notch into the other and out: the longer stretch.
+    let [from, to] = part((0.5, 3.0), (5.5, -2.0)).expect("it begins inside");
+    let is_near = |p: (f64, f64), q: (f64, f64)| DVec2::from(p).distance(q.into()) < WELD;
+    assert!(
+        is_near(from, (2.5, 1.0)) && is_near(to, (3.5, 0.0)),
+        "{from:?} {to:?}"
+    );
+    // From the outline on, and off by less than the distance within which points are one.
+    let near = part((0.5, -0.5 * WELD), (0.5, 2.0)).expect("it is on the face");
+    assert_eq!(near[0], (0.5, -0.5 * WELD));
+    let cut = part((0.5, -1.0), (0.5, 2.0)).expect("most of it is on the face");
+    assert!(
+        is_near(cut[0], (0.5, 0.0)) && cut[1] == (0.5, 2.0),
+        "{cut:?}"
+    );
+}

@@ -4,8 +4,9 @@
 //! that it has by then, and says what error that is.
 
 use crate::bad_input::BadInput;
-use std::cell::Cell;
 use std::str::FromStr;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 const PLACE: &str = "--budget";
@@ -82,12 +83,14 @@ impl Limit {
     }
 }
 
-/// A budget that is being used.
+/// A budget that is being used, by any number of threads.
 #[derive(Debug)]
 pub struct Meter {
     budget: Budget,
     since: Instant,
-    reached: Cell<Option<Limit>>,
+    /// Time or memory, whichever was used up first.
+    used_up: OnceLock<Limit>,
+    lacks_elements: AtomicBool,
 }
 
 impl Meter {
@@ -96,30 +99,30 @@ impl Meter {
         Self {
             budget,
             since: Instant::now(),
-            reached: Cell::new(None),
+            used_up: OnceLock::new(),
+            lacks_elements: AtomicBool::new(false),
         }
     }
 
     /// Whether time or memory are used up; once they are, they stay so.
     pub fn is_used_up(&self) -> bool {
-        if matches!(self.reached.get(), Some(Limit::Time | Limit::Memory)) {
+        if self.is_late() {
             return true;
         }
-        let spent = self.since.elapsed().as_secs_f64();
-        let is_over = |limit: Option<u64>| {
-            limit.is_some_and(|most| resident_bytes().is_some_and(|bytes| bytes > most))
-        };
-        let reached = if self.budget.seconds.is_some_and(|most| spent > most) {
-            Some(Limit::Time)
-        } else if is_over(self.budget.memory) {
-            Some(Limit::Memory)
-        } else {
-            None
-        };
-        if reached.is_some() {
-            self.reached.set(reached);
+        let is_over = |most| resident_bytes().is_some_and(|bytes| bytes > most);
+        if self.budget.memory.is_some_and(is_over) {
+            self.used_up.get_or_init(|| Limit::Memory);
         }
-        reached.is_some()
+        self.used_up.get().is_some()
+    }
+
+    /// The same without another look at the memory: for inner loops.
+    pub fn is_late(&self) -> bool {
+        let is_over = |most| self.since.elapsed().as_secs_f64() > most;
+        if self.used_up.get().is_none() && self.budget.seconds.is_some_and(is_over) {
+            self.used_up.get_or_init(|| Limit::Time);
+        }
+        self.used_up.get().is_some()
     }
 
     /// Elements that there may be.
@@ -129,14 +132,14 @@ impl Meter {
 
     /// Notes whether the mesh lacks elements that there may not be.
     pub fn lacks_elements(&self, lacks: bool) {
-        if matches!(self.reached.get(), None | Some(Limit::Elements)) {
-            self.reached.set(lacks.then_some(Limit::Elements));
-        }
+        self.lacks_elements.store(lacks, Ordering::Relaxed);
     }
 
     /// What stopped the run, if anything did.
     pub fn reached(&self) -> Option<Limit> {
-        self.reached.get()
+        let lacks = self.lacks_elements.load(Ordering::Relaxed);
+        let used_up = self.used_up.get().copied();
+        used_up.or(lacks.then_some(Limit::Elements))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::bake::{settings, world};
 use umbrage::budget::Budget;
-use umbrage::pipeline::{Solution, World, light};
+use umbrage::pipeline::{LeftOut, Solution, World, light};
 use umbrage::radiosity::Bounces;
 use umbrage::settings::Settings;
 
@@ -97,6 +97,11 @@ fn without_time_or_memory_the_first_mesh_is_shown_with_its_error() {
         let s = &solution.summary;
         assert_eq!(s.stopped_by, Some(name));
         assert!(s.measured.relative_rms > ERROR && s.measured.mean > 0.0);
+        // Memory is not looked at before the mesh.
+        assert_eq!(s.lines.is_cut_short, name == "time");
+        assert_eq!(s.lines.wedges == 0, name == "time");
+        let says = |l: &LeftOut| l.why.contains("budget");
+        assert_eq!(s.left_out.iter().any(says), name == "time");
         assert!(
             s.elements > 0 && s.adapt.passes <= 2,
             "{} passes",

@@ -275,7 +275,7 @@ fn refining_where_the_error_is_restores_the_order_at_edges() {
         // As a bake does it: what the finer field reflects corrects the solution.
         for _ in 0..2 {
             field
-                .refine(target, |_| true)
+                .refine(target, || false, |_| true)
                 .expect("a cube can be meshed");
             field.correct(|face, _, p| case.direct(face, p));
         }

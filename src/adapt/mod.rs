@@ -246,10 +246,14 @@ pub fn refine(
             };
             // Lines are worth keeping at the error that comes of it, not at one that is out of reach.
             let target = errors.target.max(room.attainable(receivers, rms));
-            receivers
-                .par_iter_mut()
-                .for_each(|r| r.refine(light, least, target));
             limit = Some(least);
+            receivers.par_iter_mut().try_for_each(|r| {
+                if meter.is_late() {
+                    return Ok(());
+                }
+                r.refine(light, least, target);
+                r.update_mesh(light, limit)
+            })?;
         } else if thinnings < THINNINGS && report.passes + 1 < MAX_PASSES {
             let count = errors.squares.len();
             if count as f64 > THINNED_SHARE * before as f64 {

@@ -44,6 +44,7 @@ pub use outline::Outline;
 
 use self::eee::Arcs;
 use self::event::{Found, Search};
+use crate::budget::{Budget, Meter};
 use crate::direct::DirectLight;
 use crate::geom::ConicArc;
 use crate::scene::{EdgeId, EmitterId, FaceId, FaceSide, Scene, VertexId};
@@ -178,6 +179,8 @@ pub struct SearchReport {
     pub culled: usize,
     /// Whether there were too many features to look at all: those that rank low draw no lines then.
     pub is_partial: bool,
+    /// Whether the budget was used up before all were looked at.
+    pub is_cut_short: bool,
     /// Triples of edges that were followed.
     pub triples: usize,
     /// Arcs that landed on receivers.
@@ -226,7 +229,7 @@ impl FaceLines {
 }
 
 /// Follows the triples of edges that the wedges' ends lead to, and those that their own ends lead to, until none is new.
-fn arcs(search: &Search, found: &[Found], report: &mut SearchReport) -> Vec<Arc> {
+fn arcs(search: &Search, found: &[Found], meter: &Meter, report: &mut SearchReport) -> Vec<Arc> {
     let mut known = BTreeSet::new();
     let mut next = Vec::new();
     for touched in found.iter().flat_map(|f| &f.touches) {
@@ -244,7 +247,11 @@ fn arcs(search: &Search, found: &[Found], report: &mut SearchReport) -> Vec<Arc>
             report.arcs = out.len();
             return out;
         }
-        let traced: Vec<Arcs> = next.par_iter().map(|&t| eee::trace(search, t)).collect();
+        let traced: Vec<Arcs> = next
+            .par_iter()
+            .filter(|_| !meter.is_late())
+            .map(|&t| eee::trace(search, t))
+            .collect();
         next.clear();
         for t in traced {
             out.extend(t.arcs);
@@ -259,14 +266,29 @@ fn slot(face: FaceId, side: FaceSide) -> usize {
 
 /// Finds the lines of `scene`.
 pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) -> LineMap {
+    find_lines_within(&Meter::new(Budget::default()), scene, light, tolerance)
+}
+
+/// Finds the lines of `scene` for which there is time; contacts always.
+pub fn find_lines_within(
+    meter: &Meter,
+    scene: &Scene,
+    light: &DirectLight,
+    tolerance: LineTolerance,
+) -> LineMap {
     let blockers: &Blockers = light.blockers;
     let jobs = event::jobs(scene);
     let search = event::Search::new(scene, light, tolerance);
-    let mut found: Vec<Found> = jobs.par_iter().map(|job| search.run(job)).collect();
+    let mut found: Vec<Found> = jobs
+        .par_iter()
+        .filter(|_| !meter.is_late())
+        .map(|job| search.run(job))
+        .collect();
     let vertices: Vec<VertexId> = scene.vertices.ids().collect();
     found.par_extend(
         vertices
             .par_iter()
+            .filter(|_| !meter.is_late())
             .map_init(Scratch::default, |scratch, &v| {
                 nve::through_vertex(&search, v, scratch)
             }),
@@ -276,7 +298,7 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
         ..SearchReport::default()
     };
     let mut lines = vec![FaceLines::default(); 2 * scene.faces.len()];
-    for arc in arcs(&search, &found, &mut report) {
+    for arc in arcs(&search, &found, meter, &mut report) {
         lines[slot(arc.line.face, arc.line.side)].add_arc(scene, arc, tolerance.chord);
     }
     for f in found {
@@ -307,6 +329,7 @@ pub fn find_lines(scene: &Scene, light: &DirectLight, tolerance: LineTolerance) 
             lines[slot(below, side)].covers.push(above);
         }
     }
+    report.is_cut_short = meter.is_late();
     report.segments = lines.iter().map(|l| l.candidates.len()).sum();
     lines
         .par_iter_mut()

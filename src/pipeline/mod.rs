@@ -136,7 +136,7 @@ pub fn light<'a>(
     let scene = &world.scene;
     let direct = DirectLight::new(scene, &world.blockers);
     let sides = receiver_sides(scene);
-    let mut lines = run.find_lines(scene, &direct, &sides);
+    let lines = run.find_lines(scene, &direct, &sides);
 
     run.start("reach");
     let with_bounces = settings.bounces != Bounces::Count(0)
@@ -164,9 +164,7 @@ pub fn light<'a>(
     };
     let weak = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
     let mut aim = Aim::new(mesher, solve_mesh.as_ref(), weak);
-    let mut receivers = aim
-        .mesher
-        .receivers(scene, &sides, &is_lit, domains, &mut lines);
+    let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, domains, lines);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;
     let indirect = match solve_mesh {
         Some(mesh) => Some(run.solve(world, mesh, &mut receivers, mean_indirect)?),

@@ -8,7 +8,7 @@ use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::budget::{Limit, Meter};
 use crate::direct::DirectLight;
-use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines};
+use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines_within};
 use crate::mesh::{FaceDomain, MeshError};
 use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
 use crate::scene::{FaceId, FaceSide, Scene, Size};
@@ -161,8 +161,10 @@ impl<'r, 'p> Run<'r, 'p> {
             least: error * LINE_LEAST * greatest_mean(scene, direct, sides),
             chord: error * LINE_CHORD,
         };
-        let mut lines = find_lines(scene, direct, tolerance);
-        lines.report.outlines = check_outlines(scene, direct, &lines, tolerance, OUTLINE_PAIRS);
+        let mut lines = find_lines_within(&self.meter, scene, direct, tolerance);
+        if !lines.report.is_cut_short {
+            lines.report.outlines = check_outlines(scene, direct, &lines, tolerance, OUTLINE_PAIRS);
+        }
         self.summary.lines = lines.report;
         lines
     }
@@ -299,7 +301,8 @@ impl<'r, 'p> Run<'r, 'p> {
             let target = coarser * error * share * mean;
             let (meter, clock) = (&self.meter, &mut self.clock);
             if step < 2 || field.estimate_rms() > CORRECTED_SLACK * target {
-                field.refine(target, |f| {
+                let is_late = || meter.is_late();
+                field.refine(target, is_late, |f| {
                     clock.tick(f);
                     !meter.is_used_up()
                 })?;
@@ -352,7 +355,7 @@ impl Mesher {
         sides: &[(FaceId, FaceSide)],
         is_lit: &[bool],
         domains: Vec<Arc<FaceDomain>>,
-        lines: &mut LineMap,
+        mut lines: LineMap,
     ) -> Vec<Receiver> {
         let area = |face: FaceId| scene.faces[face].area;
         let lit = sides.iter().zip(is_lit).filter(|s| *s.1);

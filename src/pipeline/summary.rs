@@ -171,6 +171,12 @@ impl Summary {
                 "there are too many to look at each",
             );
         }
+        if self.lines.is_cut_short {
+            say(
+                "lines that had not been looked for".to_owned(),
+                "the budget was used up",
+            );
+        }
         let found: usize = solution
             .receivers
             .iter()

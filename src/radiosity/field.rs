@@ -327,13 +327,14 @@ impl<'a> IndirectField<'a> {
     }
 
     /// Buys gathers until the RMS error of the field over its faces is estimated below `target` (W/m²), or until `progress`
-    /// says that it has to stop.
+    /// says that it has to stop; `is_late`, asked for each face, may say so before.
     ///
     /// # Errors
     /// [`MeshError`]: our own bug.
     pub fn refine(
         &mut self,
         target: f64,
+        is_late: impl Fn() -> bool + Sync,
         mut progress: impl FnMut(f64) -> bool,
     ) -> Result<(), MeshError> {
         let allowed = target * target * self.area();
@@ -362,6 +363,9 @@ impl<'a> IndirectField<'a> {
                 // One face may cost more than all others together.
                 .with_max_len(1)
                 .map(|(field, face)| {
+                    if is_late() {
+                        return Ok(0);
+                    }
                     let accuracy = solution.accuracy(face);
                     field.buy(face, limit, solution.blockers.weld_distance(), |view| {
                         gatherers.lend(|g| solution.gather(g, view, &solution.light, accuracy, 0.0))

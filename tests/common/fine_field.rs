@@ -77,7 +77,7 @@ impl<'a> FineField<'a> {
             .expect("the default solver has no limit");
         for _ in 0..CORRECTIONS {
             field
-                .refine(3.0 * error, |_| true)
+                .refine(3.0 * error, || false, |_| true)
                 .expect("the faces can be meshed");
             field.correct(direct);
         }

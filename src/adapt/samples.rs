@@ -216,7 +216,12 @@ impl Receiver {
         }
     }
 
+    /// Light at a point, looked at once. Through an outlook a look costs less than the memory for it: of hundreds of thousands
+    /// of tiny faces that is what there is most of.
     fn remembered(&mut self, light: &Illumination, key: Key, p: DVec2) -> [Irradiance; 2] {
+        if self.outlook.is_some() {
+            return [self.direct_at(light, p), self.indirect_at(light, p)];
+        }
         let changes = self.samples.changes;
         let direct = match self.samples.points.get(&key) {
             Some(known) if known.changes == changes => return known.light,
@@ -230,6 +235,9 @@ impl Receiver {
 
     /// Looks at the direct light of all that is not known yet of `points`.
     fn remember(&mut self, light: &Illumination, points: impl Iterator<Item = (Key, DVec2)>) {
+        if self.outlook.is_some() {
+            return;
+        }
         let known = &self.samples.points;
         let mut missing: Vec<(Key, DVec2)> = points.filter(|p| !known.contains_key(&p.0)).collect();
         missing.sort_unstable_by_key(|p| p.0);
@@ -361,14 +369,18 @@ impl Receiver {
             .collect();
         self.remember(light, middles.into_iter());
         let mut measured = new.iter().zip(&insides).peekable();
-        let mut kept = Map::with_capacity_and_hasher(mesh.elements.len(), Default::default());
+        let is_kept = self.outlook.is_none();
+        let room = if is_kept { mesh.elements.len() } else { 0 };
+        let mut kept = Map::with_capacity_and_hasher(room, Default::default());
         let errors = (0..mesh.elements.len())
             .map(|e| {
                 let error = match measured.next_if(|(new, _)| **new == e) {
                     Some((_, inside)) => self.measure(light, mesh, e, inside),
                     None => self.samples.measured[self.samples.elements[&key(e)] as usize],
                 };
-                kept.insert(key(e), e as u32);
+                if is_kept {
+                    kept.insert(key(e), e as u32);
+                }
                 error
             })
             .collect();

@@ -276,6 +276,7 @@ impl FaceDomain {
                 .push(triangulation.neighbours[t].map(|n| n.and_then(|n| element_of[n as usize])));
         }
         mesh.place_sites(self.weld_distance);
+        mesh.compact();
         mesh
     }
 

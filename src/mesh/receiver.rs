@@ -4,6 +4,7 @@ use super::GridPoint;
 use super::domain::EdgeSource;
 use crate::scene::{EdgeId, VertexId};
 use glam::DVec2;
+use smallvec::SmallVec;
 
 /// Where a mesh vertex comes from; equal origins are equal points, on every face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +37,8 @@ pub struct ReceiverMesh {
     pub neighbours: Vec<[Option<u32>; 3]>,
     /// Index into `labels` for edge `k`, where it lies on a line.
     pub edges: Vec<[Option<u32>; 3]>,
-    /// What the labelled edges lie on.
-    pub labels: Vec<Vec<EdgeSource>>,
+    /// What the labelled edges lie on, most on one thing.
+    pub labels: Vec<SmallVec<[EdgeSource; 2]>>,
     /// Vertex of each site.
     pub site_vertices: Vec<u32>,
     /// Where the value of each site is taken, frame coordinates, metres: at the vertex, or just inside the site's sector
@@ -54,6 +55,21 @@ const INSET_IN_WELD_DISTANCES: f64 = 4.0;
 const INSET_SHARE: f64 = 0.25;
 
 impl ReceiverMesh {
+    /// Gives back memory that was held for more elements: the meshes of hundreds of thousands of faces are of one or two.
+    pub(super) fn compact(&mut self) {
+        self.vertices.shrink_to_fit();
+        self.plane.shrink_to_fit();
+        self.origins.shrink_to_fit();
+        self.elements.shrink_to_fit();
+        self.sites.shrink_to_fit();
+        self.neighbours.shrink_to_fit();
+        self.edges.shrink_to_fit();
+        self.labels.shrink_to_fit();
+        self.site_vertices.shrink_to_fit();
+        self.site_points.shrink_to_fit();
+        self.is_limit.shrink_to_fit();
+    }
+
     /// Corners of element `e` in frame coordinates, metres.
     pub fn corners(&self, e: usize) -> [DVec2; 3] {
         self.elements[e].map(|v| self.plane[v as usize])

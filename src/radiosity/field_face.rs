@@ -81,6 +81,7 @@ pub(super) struct FieldFace {
     mesh: Arc<ReceiverMesh>,
     locator: Arc<Locator>,
     values: Vec<Irradiance>,
+    /// Of each element; empty where the whole face has one value.
     known: Vec<Knowledge>,
     /// All values are the mean of the points of a small face.
     is_uniform: bool,
@@ -104,7 +105,7 @@ impl FieldFace {
             .collect();
         let mut field = Self {
             locator: Arc::clone(&face.locator),
-            known: vec![Knowledge::default(); mesh.elements.len()],
+            known: Vec::new(),
             points: Vec::new(),
             is_uniform: middles.iter().any(Option::is_none),
             variance: solution.mean_and_variance(f).1,
@@ -113,6 +114,7 @@ impl FieldFace {
             gathered: HashMap::new(),
         };
         if !field.is_uniform {
+            field.known = vec![Knowledge::default(); field.mesh.elements.len()];
             field.remember(&middles);
         }
         field
@@ -214,6 +216,7 @@ impl FieldFace {
         if self.is_uniform {
             if self.errors().iter().any(|&e| e >= limit) {
                 self.is_uniform = false;
+                self.known = vec![Knowledge::default(); self.mesh.elements.len()];
                 self.fill_sites(&mut ask);
             }
             return Ok(count);
@@ -470,7 +473,7 @@ impl FieldFace {
         let mut sum = Irradiance::ZERO;
         for k in 0..3 {
             sum += corners[k] * b[k];
-            if let Some(m) = self.known[e].middle(k) {
+            if let Some(m) = self.known.get(e).and_then(|known| known.middle(k)) {
                 let bend = m - (corners[k] + corners[(k + 1) % 3]) * 0.5;
                 sum += bend * (4.0 * b[k] * b[(k + 1) % 3]);
             }

@@ -61,25 +61,26 @@ impl Look {
 }
 
 impl DirectLight<'_> {
-    /// The form factor of what `view` sees of a polygon; behind a crowd of blockers off by about `doubt` (standard deviation).
+    /// The form factor of what `view` sees of a polygon, of all of which it is `open`; behind a crowd of blockers off by about
+    /// `doubt` (standard deviation).
     ///
     /// Other rays are another sequence: two looks with the same are wrong in the same way.
     pub(super) fn factor_within(
         &self,
         doubt: f64,
         sequence: u32,
+        open: f64,
         polygon: &EmitterPolygon,
         view: &Viewpoint,
         scratch: &mut Scratch,
     ) -> Factor {
         let blockers = self.blockers;
         let most = if doubt > 0.0 { CROWD } else { usize::MAX };
-        if let Some(value) = visible_factor_past_few(most, polygon, blockers, view, scratch) {
+        if let Some(value) = visible_factor_past_few(most, open, polygon, blockers, view, scratch) {
             let is_exact = true;
             return Factor { value, is_exact };
         }
         self.looks_by_rays.fetch_add(1, Ordering::Relaxed);
-        let open = unoccluded_factor(polygon, blockers, view, scratch);
         Factor {
             value: open * share_by_rays(doubt / open, sequence, polygon, blockers, view),
             is_exact: false,
@@ -104,9 +105,10 @@ impl DirectLight<'_> {
         let mut look = Look::default();
         for polygon in &self.polygons {
             let doubt = tolerance / polygon.exitance.0.mean();
+            let open = unoccluded_factor(polygon, self.blockers, view, scratch);
             look.add(
                 polygon,
-                self.factor_within(doubt, sequence, polygon, view, scratch),
+                self.factor_within(doubt, sequence, open, polygon, view, scratch),
             );
         }
         for light in &self.lights {
@@ -122,7 +124,9 @@ impl DirectLight<'_> {
             let doubt = open / f64::from(FIRST);
             // What the cutting of cones leaves of a hidden emitter is no light.
             open > 0.0
-                && self.factor_within(doubt, 0, polygon, view, scratch).value
+                && self
+                    .factor_within(doubt, 0, open, polygon, view, scratch)
+                    .value
                     > open * CUTTING_ROUNDOFF
         };
         let is_lit = |l: &PunctualLight| irradiance_by(l, self.blockers, view).mean() > 0.0;

@@ -69,15 +69,18 @@ fn visible_factor(
     view: &Viewpoint,
     scratch: &mut Scratch,
 ) -> f64 {
-    visible_factor_past_few(usize::MAX, polygon, blockers, view, scratch).unwrap_or(0.0)
+    let open = unoccluded_factor(polygon, blockers, view, scratch);
+    visible_factor_past_few(usize::MAX, open, polygon, blockers, view, scratch).unwrap_or(0.0)
 }
 
-/// The form factor of what `view` sees of a polygon, unless more than `most` screens may be in the way.
+/// The form factor of what `view` sees of a polygon, unless more than `most` screens may be in the way; `open` is that of all of
+/// it.
 ///
 /// What is left of a polygon gives no more than all of it. The pieces may, next to where a blocker touches it: from a distance d
 /// the directions of their corners are off by round-off / d, and what is cut off along a line is not what is kept beside it.
 pub(super) fn visible_factor_past_few(
     most: usize,
+    open: f64,
     polygon: &EmitterPolygon,
     blockers: &Blockers,
     view: &Viewpoint,
@@ -88,7 +91,7 @@ pub(super) fn visible_factor_past_few(
         .visible_past_few(most, blockers, view, polygon.target(), |piece| {
             f += weight(view, piece);
         })
-        .then(|| f.clamp(0.0, unoccluded_factor(polygon, blockers, view, scratch)))
+        .then_some(f.clamp(0.0, open))
 }
 
 /// The form factor of a polygon as if nothing hid it.

@@ -101,7 +101,7 @@ impl DirectLight<'_> {
                 };
             }
             let doubt = tolerance / p.polygon.exitance.0.mean();
-            self.factor_within(doubt, 0, p.polygon, view, scratch)
+            self.factor_within(doubt, 0, p.factor, p.polygon, view, scratch)
         };
         prospects.iter().map(&mut factor).collect()
     }

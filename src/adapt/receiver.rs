@@ -146,6 +146,15 @@ impl Receiver {
         self.is_stale = true;
     }
 
+    /// Shows the indirect light on the mesh as it is: there is no time for more.
+    pub fn show_indirect(&mut self, light: &Illumination) {
+        if self.is_lit {
+            let points = self.mesh.site_points.iter();
+            self.indirect = points.map(|&p| self.indirect_at(light, p)).collect();
+            self.exact[1].clone_from(&self.indirect);
+        }
+    }
+
     /// Starts anew with points `spacing` metres apart.
     pub(super) fn seed(&mut self, spacing: f64) {
         self.points = self.domain.seed_points(spacing);

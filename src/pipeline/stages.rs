@@ -13,6 +13,7 @@ use crate::mesh::{FaceDomain, MeshError};
 use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
 use crate::scene::{FaceId, FaceSide, Scene, Size};
 use crate::settings::Settings;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -186,7 +187,8 @@ impl<'r, 'p> Run<'r, 'p> {
         Ok((mean, mesh))
     }
 
-    /// Refines the display meshes; `mean_besides` (W/m²) is the mean of light that comes later.
+    /// Refines the display meshes; `mean_besides` (W/m²) is the mean of light that comes later. Once time is up, indirect light
+    /// is shown on them as they are.
     pub(super) fn refine_display(
         &mut self,
         aim: &mut Aim,
@@ -200,9 +202,18 @@ impl<'r, 'p> Run<'r, 'p> {
             tolerance: aim.weak,
             indirect,
         };
+        if indirect.is_some() && self.meter.is_used_up() {
+            receivers
+                .par_iter_mut()
+                .for_each(|r| r.show_indirect(&light));
+            return Ok(());
+        }
         let target = self.settings.error * aim.display;
         let (meter, clock) = (&self.meter, &mut self.clock);
         let tick = |f| clock.tick(f);
+        if indirect.is_some() {
+            receivers.iter_mut().for_each(Receiver::relight);
+        }
         let mesher = &mut aim.mesher;
         let report = mesher.refine(receivers, &light, target, mean_besides, meter, tick)?;
         self.summary.adapt.add(&report);
@@ -251,7 +262,6 @@ impl<'r, 'p> Run<'r, 'p> {
         for round in 0..MAX_ROUNDS {
             if let Some(field) = &mut solution.indirect {
                 self.gather(field, &solution.receivers, aim.field, mean, round == 0)?;
-                solution.receivers.iter_mut().for_each(Receiver::relight);
             }
             // Without indirect light nothing is new the first time.
             if solution.indirect.is_some() || round > 0 {

@@ -5,3 +5,4 @@ mod crowd;
 mod fixtures;
 mod outlook;
 mod regressions;
+mod vantage;

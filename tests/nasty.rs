@@ -1,7 +1,7 @@
 //! Scenes made of coincidences – faces in one plane, edges that line up, needles, contacts – go through the whole bake: nothing
 //! breaks, no area is lost, no line, and no light is too much.
 
-mod generator;
+pub(crate) mod generator;
 
 use crate::common::bake::settings;
 use crate::common::library::world_of_raw;

@@ -17,6 +17,7 @@ mod samples;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod vantages;
 
 pub use receiver::Receiver;
 use room::Room;

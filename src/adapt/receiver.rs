@@ -4,6 +4,7 @@ use super::Illumination;
 use super::breaks::Rank;
 use super::fit::fit;
 use super::samples::{ElementError, Samples};
+use super::vantages::Vantages;
 use crate::direct::Outlook;
 use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
@@ -37,6 +38,8 @@ pub struct Receiver {
     pub size: Size,
     /// Of a tiny face, what its middle sees of the emitters.
     pub(super) outlook: Option<Outlook>,
+    /// What its pieces see of them.
+    pub(super) vantages: Vantages,
     /// Direct and indirect irradiance that there is at the sites of `mesh`, W/m².
     pub(super) exact: [Vec<Irradiance>; 2],
     pub(super) kept: Vec<bool>,
@@ -67,6 +70,7 @@ impl Receiver {
             is_lit: true,
             size: Size::default(),
             outlook: None,
+            vantages: Vantages::default(),
             exact: [Vec::new(), Vec::new()],
             kept: vec![false; candidates.len()],
             breaks: vec![0.0; candidates.len()],
@@ -182,6 +186,9 @@ impl Receiver {
         if self.is_lit {
             if self.size == Size::Tiny && self.lines.contacts.is_empty() && self.outlook.is_none() {
                 self.look_out(light, &mesh);
+            }
+            if self.outlook.is_none() {
+                self.vantages.refine(light.direct, &self.domain, &mesh);
             }
             self.exact = self.light_at_sites(light, &mesh);
             if let Some(limit) = limit {

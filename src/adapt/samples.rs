@@ -203,7 +203,7 @@ impl Receiver {
             },
             None => {
                 let tolerance = self.size.accuracy() * light.tolerance;
-                direct.look_within(&view, tolerance, scratch)
+                direct.look_within(&view, self.vantages.at(p), tolerance, scratch)
             }
         })
     }

@@ -5,11 +5,12 @@
 //! The share of even rays that come through is as good there, and its doubt is known.
 
 use super::DirectLight;
-use super::emitters::{EmitterPolygon, unoccluded_factor, visible_factor_past_few};
+use super::emitters::{EmitterPolygon, visible_factor_among};
+use super::many::Prospect;
 use super::punctual::irradiance_by;
 use crate::quantity::Irradiance;
 use crate::scene::PunctualLight;
-use crate::visibility::{Blockers, Scratch, Viewpoint};
+use crate::visibility::{Blockers, Scratch, Screening, Viewpoint};
 use std::sync::atomic::Ordering;
 
 /// Past more screens than this rays are cheaper: in a house of 260 000 triangles cutting 1 000 of them takes 0.4 ms, 4 000
@@ -61,22 +62,26 @@ impl Look {
 }
 
 impl DirectLight<'_> {
-    /// The form factor of what `view` sees of a polygon, of all of which it is `open`; behind a crowd of blockers off by about
-    /// `doubt` (standard deviation).
+    /// The form factor of what `view` sees of a polygon; behind a crowd of blockers off by about `doubt` (standard deviation).
     ///
     /// Other rays are another sequence: two looks with the same are wrong in the same way.
     pub(super) fn factor_within(
         &self,
         doubt: f64,
         sequence: u32,
-        open: f64,
-        polygon: &EmitterPolygon,
+        prospect: &Prospect,
         view: &Viewpoint,
         scratch: &mut Scratch,
     ) -> Factor {
+        let (polygon, open) = (prospect.polygon, prospect.factor);
         let blockers = self.blockers;
-        let most = if doubt > 0.0 { CROWD } else { usize::MAX };
-        if let Some(value) = visible_factor_past_few(most, open, polygon, blockers, view, scratch) {
+        let screening = match prospect.screens {
+            Some(screens) => Screening::Known(screens),
+            None if doubt > 0.0 => Screening::AtMost(CROWD),
+            None => Screening::AtMost(usize::MAX),
+        };
+        let cut = visible_factor_among(screening, open, polygon, blockers, view, scratch);
+        if let Some(value) = cut {
             let is_exact = true;
             return Factor { value, is_exact };
         }
@@ -103,13 +108,10 @@ impl DirectLight<'_> {
         scratch: &mut Scratch,
     ) -> Look {
         let mut look = Look::default();
-        for polygon in &self.polygons {
-            let doubt = tolerance / polygon.exitance.0.mean();
-            let open = unoccluded_factor(polygon, self.blockers, view, scratch);
-            look.add(
-                polygon,
-                self.factor_within(doubt, sequence, open, polygon, view, scratch),
-            );
+        for p in self.prospects(view, None, scratch) {
+            let doubt = tolerance / p.polygon.exitance.0.mean();
+            let factor = self.factor_within(doubt, sequence, &p, view, scratch);
+            look.add(p.polygon, factor);
         }
         for light in &self.lights {
             look.light += irradiance_by(light, self.blockers, view);
@@ -119,18 +121,15 @@ impl DirectLight<'_> {
 
     /// Whether `view` sees any of the emitters, or of a light; behind a crowd of blockers, whether the first rays do.
     pub fn is_seen(&self, view: &Viewpoint, scratch: &mut Scratch) -> bool {
-        let shows = |polygon: &EmitterPolygon| {
-            let open = unoccluded_factor(polygon, self.blockers, view, scratch);
-            let doubt = open / f64::from(FIRST);
+        let prospects = self.prospects(view, None, scratch);
+        let mut shows = |p: &Prospect| {
+            let doubt = p.factor / f64::from(FIRST);
+            let found = self.factor_within(doubt, 0, p, view, scratch);
             // What the cutting of cones leaves of a hidden emitter is no light.
-            open > 0.0
-                && self
-                    .factor_within(doubt, 0, open, polygon, view, scratch)
-                    .value
-                    > open * CUTTING_ROUNDOFF
+            found.value > p.factor * CUTTING_ROUNDOFF
         };
         let is_lit = |l: &PunctualLight| irradiance_by(l, self.blockers, view).mean() > 0.0;
-        self.polygons.iter().any(shows) || self.lights.iter().any(is_lit)
+        prospects.iter().any(&mut shows) || self.lights.iter().any(is_lit)
     }
 }
 

@@ -5,7 +5,7 @@ use super::punctual::{irradiance_by, unoccluded_by};
 use crate::geom::Plane;
 use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
-use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
+use crate::visibility::{Blockers, Scratch, Screening, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::sync::atomic::AtomicUsize;
@@ -70,25 +70,29 @@ fn visible_factor(
     scratch: &mut Scratch,
 ) -> f64 {
     let open = unoccluded_factor(polygon, blockers, view, scratch);
-    visible_factor_past_few(usize::MAX, open, polygon, blockers, view, scratch).unwrap_or(0.0)
+    let all = Screening::AtMost(usize::MAX);
+    visible_factor_among(all, open, polygon, blockers, view, scratch).unwrap_or(0.0)
 }
 
-/// The form factor of what `view` sees of a polygon, unless more than `most` screens may be in the way; `open` is that of all of
-/// it.
+/// The form factor of what `view` sees of a polygon past the screens that `screening` finds, unless they are too many; `open` is
+/// that of all of it.
 ///
 /// What is left of a polygon gives no more than all of it. The pieces may, next to where a blocker touches it: from a distance d
 /// the directions of their corners are off by round-off / d, and what is cut off along a line is not what is kept beside it.
-pub(super) fn visible_factor_past_few(
-    most: usize,
+pub(super) fn visible_factor_among(
+    screening: Screening,
     open: f64,
     polygon: &EmitterPolygon,
     blockers: &Blockers,
     view: &Viewpoint,
     scratch: &mut Scratch,
 ) -> Option<f64> {
+    if matches!(screening, Screening::Known([])) {
+        return Some(open);
+    }
     let mut f = 0.0;
     scratch
-        .visible_past_few(most, blockers, view, polygon.target(), |piece| {
+        .visible_among(screening, blockers, view, polygon.target(), |piece| {
             f += weight(view, piece);
         })
         .then_some(f.clamp(0.0, open))

@@ -8,6 +8,7 @@ use super::DirectLight;
 use super::crowd::{Factor, Look};
 use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
+use super::vantage::Vantage;
 use crate::quantity::Irradiance;
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
@@ -23,22 +24,29 @@ const USUAL: usize = 32;
 pub(super) struct Prospect<'e> {
     /// The number of its polygon.
     pub(super) number: u32,
-    polygon: &'e EmitterPolygon,
+    pub(super) polygon: &'e EmitterPolygon,
     /// Its form factor if nothing hid it.
     pub(super) factor: f64,
     /// What it gives then, mean of the channels, W/m².
     pub(super) light: f64,
+    /// The screens that may hide it, if these are known.
+    pub(super) screens: Option<&'e [u32]>,
 }
 
 impl DirectLight<'_> {
     /// Irradiance at `view` straight from all emitters, W/m², where they are many off by about `tolerance` (rms, W/m², mean
     /// of the channels), and by as much about each that is looked at past a crowd of blockers. Elsewhere it is that of
     /// [`DirectLight::irradiance`].
-    pub fn look_within(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Look {
-        if self.polygons.len() <= FEW {
-            return self.look_past_crowds(view, tolerance, 0, scratch);
-        }
-        let prospects = self.prospects(view, scratch);
+    ///
+    /// `vantage` is that of a piece of the face on which `view` is, if there is one.
+    pub fn look_within(
+        &self,
+        view: &Viewpoint,
+        vantage: Option<&Vantage>,
+        tolerance: f64,
+        scratch: &mut Scratch,
+    ) -> Look {
+        let prospects = self.prospects(view, vantage, scratch);
         let found = self.factors(&prospects, tolerance, view, scratch);
         let mut look = Look::default();
         for (p, factor) in prospects.iter().zip(found) {
@@ -53,7 +61,7 @@ impl DirectLight<'_> {
     /// Roughly the irradiance at `view`, W/m²: each emitter is seen wholly or not, as one ray to its middle tells.
     pub fn by_rays(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
         let mut sum = Irradiance::ZERO;
-        for p in self.prospects(view, scratch) {
+        for p in self.prospects(view, None, scratch) {
             sum += Irradiance(p.polygon.exitance.0 * self.factor_by_ray(&p, view));
         }
         for light in &self.lights {
@@ -62,22 +70,33 @@ impl DirectLight<'_> {
         sum
     }
 
-    /// The emitters that `view` would see if nothing hid them.
-    pub(super) fn prospects(
-        &self,
+    /// The emitters that `view` would see if nothing hid them, but for those that it cannot see from its `vantage`.
+    pub(super) fn prospects<'v>(
+        &'v self,
         view: &Viewpoint,
+        vantage: Option<&'v Vantage>,
         scratch: &mut Scratch,
-    ) -> SmallVec<[Prospect<'_>; USUAL]> {
-        let all = self.polygons.iter().enumerate().map(|(i, polygon)| {
+    ) -> SmallVec<[Prospect<'v>; USUAL]> {
+        let mut prospects = SmallVec::new();
+        let mut add = |number: u32, screens| {
+            let polygon = &self.polygons[number as usize];
             let factor = unoccluded_factor(polygon, self.blockers, view, scratch);
-            Prospect {
-                number: i as u32,
-                polygon,
-                factor,
-                light: factor * polygon.exitance.0.mean(),
+            let light = factor * polygon.exitance.0.mean();
+            if light > 0.0 {
+                prospects.push(Prospect {
+                    number,
+                    polygon,
+                    factor,
+                    light,
+                    screens,
+                });
             }
-        });
-        all.filter(|p| p.light > 0.0).collect()
+        };
+        match vantage {
+            Some(vantage) => vantage.sights().for_each(|(n, screens)| add(n, screens)),
+            None => (0..self.polygons.len() as u32).for_each(|n| add(n, None)),
+        }
+        prospects
     }
 
     /// The form factors of what `view` sees of the emitters: of those that together give less than `tolerance` (W/m²) as one
@@ -94,14 +113,14 @@ impl DirectLight<'_> {
             false => weakest(prospects.iter().map(|p| p.light), tolerance),
         };
         let mut factor = |p: &Prospect| {
-            if p.light <= weak {
+            if p.light <= weak && p.screens.is_none_or(|s| !s.is_empty()) {
                 return Factor {
                     value: self.factor_by_ray(p, view),
                     is_exact: true,
                 };
             }
             let doubt = tolerance / p.polygon.exitance.0.mean();
-            self.factor_within(doubt, 0, p.factor, p.polygon, view, scratch)
+            self.factor_within(doubt, 0, p, view, scratch)
         };
         prospects.iter().map(&mut factor).collect()
     }

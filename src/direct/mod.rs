@@ -6,9 +6,11 @@ mod irradiance;
 mod many;
 mod outlook;
 mod punctual;
+mod vantage;
 
 pub use crowd::Look;
 pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};
 pub use outlook::Outlook;
 pub use punctual::{cone_cosines, unoccluded_by};
+pub use vantage::Vantage;

@@ -23,7 +23,7 @@ pub struct Outlook {
 impl DirectLight<'_> {
     /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::look_within`] `tolerance`.
     pub fn outlook(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Outlook {
-        let prospects = self.prospects(view, scratch);
+        let prospects = self.prospects(view, None, scratch);
         let factors = self.factors(&prospects, tolerance, view, scratch);
         let mut outlook = Outlook::default();
         for (p, factor) in prospects.iter().zip(factors) {

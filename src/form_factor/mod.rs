@@ -44,7 +44,6 @@ mod matrix;
 mod obstructed;
 mod patch;
 mod rule;
-mod shaft;
 #[cfg(test)]
 mod tests;
 

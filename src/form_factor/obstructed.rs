@@ -8,10 +8,9 @@ use super::contour::{exchange, order};
 use super::edge_pair::Bounded;
 use super::patch::{ROUNDINGS, extent};
 use super::rule::RADON;
-use super::shaft::{Sight, sight};
 use super::{Exchange, Patch};
 use crate::direct::form_factor_of_directions;
-use crate::visibility::{Blockers, Scratch, Target, Viewpoint};
+use crate::visibility::{Blockers, Scratch, Shaft, Sight, Viewpoint};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -43,7 +42,7 @@ pub fn past(first: &Patch, second: &Patch, blockers: &Blockers, tolerance: f64) 
     ) else {
         return Exchange::new(0.0, 0.0, true, areas);
     };
-    if sight(&a, &b, blockers) == Sight::Clear {
+    if Shaft::new(a.target(), b.target()).sight(blockers) == Sight::Clear {
         let found = exchange(&a, &b, permitted);
         return Exchange::new(found.value, found.error, true, areas);
     }
@@ -122,7 +121,7 @@ impl Search<'_> {
         if patch.area <= 0.0 {
             return 0.0;
         }
-        match sight(&patch, &self.to, self.blockers) {
+        match Shaft::new(patch.target(), self.to.target()).sight(self.blockers) {
             Sight::Clear => {
                 let found = exchange(&patch, &self.to, self.permitted * patch.area);
                 self.settled.add(found);
@@ -160,10 +159,7 @@ impl Search<'_> {
     /// The form factor of what `x` sees.
     fn factor(&mut self, x: DVec3) -> f64 {
         let view = Viewpoint::new(x, self.from.plane.normal);
-        let target = Target {
-            corners: &self.to.corners,
-            plane: self.to.plane,
-        };
+        let target = self.to.target();
         let mut sum = 0.0;
         self.scratch
             .visible_pieces(self.blockers, &view, target, |piece| {

@@ -3,6 +3,7 @@
 use crate::bad_input::BadInput;
 use crate::geom::{Plane, newell_normal};
 use crate::scene::{FaceId, FaceSide, Scene};
+use crate::visibility::Target;
 use glam::DVec3;
 
 /// A planarity for [`Patch::new`] that fits corners known in single precision: relative to the patch's size.
@@ -116,6 +117,14 @@ impl Patch {
     /// m².
     pub fn area(&self) -> f64 {
         self.area
+    }
+
+    /// As something that is looked at.
+    pub(super) fn target(&self) -> Target<'_> {
+        Target {
+            corners: &self.corners,
+            plane: self.plane,
+        }
     }
 
     /// Edges from each corner to the next.

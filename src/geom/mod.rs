@@ -10,5 +10,5 @@ mod quadric;
 pub use affine::AffineMap;
 pub(crate) use even::{even_point, even_point_in, even_point_of};
 pub use plane::{Plane, PlaneFrame};
-pub use polygon::{Polygon2, loop_area, newell_normal};
+pub use polygon::{Polygon2, convex_hull, loop_area, newell_normal};
 pub use quadric::{ConicArc, Regulus, Ruling};

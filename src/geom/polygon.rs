@@ -1,5 +1,6 @@
 //! Polygons with holes, in the plane and in space.
 
+use super::predicates::{Side, side_of_line};
 use glam::{DVec2, DVec3};
 
 /// A polygon with holes: the first loop is the outline, counter-clockwise; the others are holes, clockwise.
@@ -67,6 +68,31 @@ impl Polygon2 {
                 (lo.min(p), hi.max(p))
             })
     }
+}
+
+/// The corners of the smallest convex polygon around all points, counter-clockwise, none in the middle of an edge (Andrew
+/// 1979). Fewer than three when all lie on a line.
+pub fn convex_hull(points: impl IntoIterator<Item = DVec2>) -> Vec<DVec2> {
+    let mut points: Vec<DVec2> = points.into_iter().collect();
+    points.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    points.dedup();
+    // From the first to the last point along the right, and back along the left.
+    let mut hull: Vec<DVec2> = Vec::new();
+    let half = |hull: &mut Vec<DVec2>, way: &mut dyn Iterator<Item = &DVec2>| {
+        let first = hull.len();
+        for &p in way {
+            let bends = |h: &[DVec2]| side_of_line(h[0], h[1], p) == Side::Left;
+            while hull.len() >= first + 2 && !bends(&hull[hull.len() - 2..]) {
+                hull.pop();
+            }
+            hull.push(p);
+        }
+        // The next half begins there.
+        hull.pop();
+    };
+    half(&mut hull, &mut points.iter());
+    half(&mut hull, &mut points.iter().rev());
+    hull
 }
 
 fn edges(points: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {

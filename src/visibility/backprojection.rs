@@ -16,6 +16,18 @@ use super::cone::{ConeSide, Piece, RoundCone, SIDE_ROUNDOFF, clip};
 use super::{Blockers, Cone, Cones, Region, Target, Viewpoint};
 use glam::DVec3;
 
+/// To cut so few screens out of something costs less than a ray.
+pub(crate) const FEW_SCREENS: usize = 8;
+
+/// Where the screens are looked for that may stand before something.
+#[derive(Clone, Copy, Debug)]
+pub enum Screening<'s> {
+    /// Among all, unless more than so many may be in the way.
+    AtMost(usize),
+    /// Among these, ascending: no other one is in the way.
+    Known(&'s [u32]),
+}
+
 /// Buffers that live over many calls.
 #[derive(Default)]
 pub struct Scratch {
@@ -65,14 +77,14 @@ impl Scratch {
         target: Target,
         visit: impl FnMut(&[DVec3]),
     ) {
-        self.visible_past_few(usize::MAX, blockers, view, target, visit);
+        self.visible_among(Screening::AtMost(usize::MAX), blockers, view, target, visit);
     }
 
-    /// As [`Scratch::visible_pieces`] where no more than `most` screens may be in the way; elsewhere it visits nothing and
+    /// As [`Scratch::visible_pieces`] past the screens that `screening` finds. Where they are too many it visits nothing and
     /// returns false.
-    pub fn visible_past_few(
+    pub fn visible_among(
         &mut self,
-        most: usize,
+        screening: Screening,
         blockers: &Blockers,
         view: &Viewpoint,
         target: Target,
@@ -85,13 +97,23 @@ impl Scratch {
         candidates.clear();
         let mut are_few = true;
         if self.starts(blockers, view, target)
-            && !self.is_hidden_by_few(blockers, view, target, &mut cones)
+            && (matches!(screening, Screening::Known(s) if s.len() <= FEW_SCREENS)
+                || !self.is_hidden_by_few(blockers, view, target, &mut cones))
         {
             // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
             let region = Region::pyramid(view.position, target.corners)
                 .in_front_of([view.horizon, target.plane]);
-            are_few =
-                blockers.collect_few_screens(most, view, &region, target.plane, &mut candidates);
+            let plane = target.plane;
+            match screening {
+                Screening::AtMost(most) => {
+                    are_few =
+                        blockers.collect_few_screens(most, view, &region, plane, &mut candidates);
+                }
+                Screening::Known(screens) => {
+                    let may_hide = |&&s: &&u32| blockers.may_hide(s, view, &region, plane);
+                    candidates.extend(screens.iter().filter(may_hide));
+                }
+            }
             if are_few {
                 let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
                 let hider = blockers.cones(&candidates, view, target.plane, &base, &mut cones);

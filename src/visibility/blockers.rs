@@ -21,6 +21,8 @@ pub struct Part {
     count: u32,
 }
 
+type PartEdge = ([VertexId; 2], bool, u32);
+
 /// Every opaque face of a scene as convex parts.
 pub struct Blockers {
     /// No two have the same: what is remembered of one is not taken for another's.
@@ -30,6 +32,9 @@ pub struct Blockers {
     vertices: Vec<VertexId>,
     /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
     edges: Vec<Option<EdgeId>>,
+    /// For each edge of a part its ends in ascending order, whether it runs from the first to the second, and the part;
+    /// ascending.
+    part_edges: Vec<PartEdge>,
     tree: BoxTree,
     /// The same as convex solids where they are such.
     pub(super) screens: Screens,
@@ -81,6 +86,15 @@ impl Blockers {
                     (lo.min(c), hi.max(c))
                 })
         }));
+        let mut part_edges = Vec::with_capacity(vertices.len());
+        for (i, part) in (0u32..).zip(&parts) {
+            let loop_ = &vertices[part.range()];
+            for (k, &a) in loop_.iter().enumerate() {
+                let b = loop_[(k + 1) % loop_.len()];
+                part_edges.push(([a.min(b), a.max(b)], a < b, i));
+            }
+        }
+        part_edges.sort_unstable();
         let (mut triangles, mut ray_owners) = (Vec::new(), Vec::new());
         for (id, face) in scene.faces.iter() {
             for t in &face.triangles {
@@ -103,6 +117,7 @@ impl Blockers {
             positions,
             vertices,
             edges,
+            part_edges,
             tree,
             weld_distance: scene.weld_distance,
             roundoff,
@@ -136,6 +151,35 @@ impl Blockers {
     /// Scene edges from each corner of a part to the next; none where the part borders on another part of its face.
     pub fn edges(&self, part: &Part) -> &[Option<EdgeId>] {
         &self.edges[part.range()]
+    }
+
+    /// The parts on the other side of the edge from corner `i` of a part to the next, each with whether its front is turned to the
+    /// back of that one's.
+    pub(super) fn beside(&self, part: u32, i: usize) -> impl Iterator<Item = (u32, bool)> {
+        let of = self.vertices(self.part(part));
+        let (a, b) = (of[i], of[(i + 1) % of.len()]);
+        let (ends, is_ascending) = ([a.min(b), a.max(b)], a < b);
+        let first = self.part_edges.partition_point(|e| e.0 < ends);
+        let same = self.part_edges[first..]
+            .iter()
+            .take_while(move |e| e.0 == ends);
+        same.filter(move |e| e.2 != part)
+            .map(move |e| (e.2, e.1 == is_ascending))
+    }
+
+    /// The part of `face` that the straight line between two points crosses.
+    pub(super) fn part_across(&self, face: FaceId, [a, b]: [DVec3; 2]) -> Option<u32> {
+        let mut parts = self.parts_of(face);
+        let plane = self.part(parts.start).plane;
+        let (from, to) = (plane.distance(a), plane.distance(b));
+        let x = a.lerp(b, from / (from - to));
+        parts.find(|&i| {
+            let corners = self.corners(self.part(i));
+            (0..corners.len()).all(|k| {
+                let (p, q) = (corners[k], corners[(k + 1) % corners.len()]);
+                plane.normal.dot((q - p).cross(x - p)) >= 0.0
+            })
+        })
     }
 
     /// Calls `visit` with the index of each part whose box meets `region`.

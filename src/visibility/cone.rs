@@ -3,6 +3,7 @@
 //! A cone is bounded by the planes through the viewpoint and the blocker's edges: no projection, so no singularity.
 
 use super::Blockers;
+use crate::geom::Plane;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -15,7 +16,7 @@ pub(super) const SIDE_ROUNDOFF: f64 = 8.0 * f64::EPSILON;
 const ROUND_ROUNDOFF: f64 = 16.0 * f64::EPSILON;
 
 /// A convex polygon in space or as directions from the viewpoint, metres.
-pub(super) type Piece = SmallVec<[DVec3; 8]>;
+pub(crate) type Piece = SmallVec<[DVec3; 8]>;
 
 /// How a cone lies to a convex polygon of directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -329,6 +330,11 @@ impl Cone<'_> {
             .iter()
             .all(|s| s.normal.dot(direction) >= -s.slack * length)
     }
+}
+
+/// What of a convex polygon lies in front of `plane`.
+pub(crate) fn clip_to_front(points: &[DVec3], plane: Plane) -> Piece {
+    clip(points, |&p| plane.distance(p))
 }
 
 /// Sutherland–Hodgman against one half-space given by a signed distance.

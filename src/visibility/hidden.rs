@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 const PROBES: usize = 12;
 
 /// In a world of no more screens than this finding all that are between costs less than the rays.
-const FEW_SCREENS: usize = 64;
+const SMALL_WORLD: usize = 64;
 
 impl Scratch {
     /// True when the faces that a few rays from `view` meet hide all of `target` that is above the horizon. False says
@@ -24,7 +24,7 @@ impl Scratch {
         target: Target,
         cones: &mut Cones,
     ) -> bool {
-        if blockers.screen_count() <= FEW_SCREENS {
+        if blockers.screen_count() <= SMALL_WORLD {
             return false;
         }
         for _ in 0..PROBES {
@@ -68,7 +68,7 @@ impl Blockers {
     }
 
     /// Indices of the parts of a face.
-    fn parts_of(&self, face: FaceId) -> std::ops::Range<u32> {
+    pub(super) fn parts_of(&self, face: FaceId) -> std::ops::Range<u32> {
         let parts = self.parts();
         let first = parts.partition_point(|p| p.face < face);
         let count = parts[first..].partition_point(|p| p.face == face);

@@ -12,13 +12,17 @@ mod ray_tree;
 mod region;
 mod screen;
 mod shadow;
+mod shaft;
 mod solid;
 mod view;
 
-pub use backprojection::Scratch;
+pub(crate) use backprojection::FEW_SCREENS;
+pub use backprojection::{Scratch, Screening};
 pub use blockers::{Blockers, Part};
 pub use box_tree::BoxTree;
+pub(crate) use cone::clip_to_front;
 pub use cone::{Ball, Cone, Cones, Relation};
 pub use ray::{Hit, RayCaster};
 pub use region::Region;
+pub use shaft::{Shaft, Sight};
 pub use view::{Target, Viewpoint};

@@ -54,14 +54,17 @@ fn rays_through_a_thicket_are_wrong_by_no_more_than_asked_for() {
         mean += exact / open / POINTS as f64;
         for (k, share) in [0.06, 0.02].into_iter().enumerate() {
             let found = light
-                .look_within(&view, share * open, &mut scratch)
+                .look_within(&view, None, share * open, &mut scratch)
                 .light
                 .mean();
             squares[k] += ((found - exact) / (share * open)).powi(2) / POINTS as f64;
             by_rays += usize::from(found != exact);
         }
         assert_eq!(
-            light.look_within(&view, 0.0, &mut scratch).light.mean(),
+            light
+                .look_within(&view, None, 0.0, &mut scratch)
+                .light
+                .mean(),
             exact
         );
     }

@@ -9,7 +9,7 @@ use umbrage::scene::RawScene;
 
 /// What a scene is made of.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Nasty {
+pub(crate) enum Nasty {
     /// Boxes on a raster: on, in and beside each other.
     City,
     /// Rows of equal slats that line up with each other and with the lamp.
@@ -27,7 +27,7 @@ pub(super) enum Nasty {
 }
 
 impl Nasty {
-    pub(super) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::City,
         Self::Slats,
         Self::Stack,
@@ -43,7 +43,7 @@ const RASTER: f64 = 0.25;
 
 /// A scene of one kind: a floor, a lamp over it, and what is between them; turned, or a million metres off, or of another
 /// size, now and then.
-pub(super) fn nasty_scene(nasty: Nasty, rng: &mut Rng) -> RawScene {
+pub(crate) fn nasty_scene(nasty: Nasty, rng: &mut Rng) -> RawScene {
     let mut mesh = ObjMesh::default();
     sheet(&mut mesh, [0.0, 0.0], [4.0, 4.0], 0.0, true, 0.0);
     let lamp = lamp(&mut mesh, rng);

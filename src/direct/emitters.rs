@@ -122,6 +122,7 @@ pub struct DirectLight<'a> {
     /// Lights without a surface, local.
     pub lights: Vec<PunctualLight>,
     pub(super) looks_by_rays: AtomicUsize,
+    pub(super) hidden_sights: AtomicUsize,
 }
 
 impl<'a> DirectLight<'a> {
@@ -151,6 +152,7 @@ impl<'a> DirectLight<'a> {
             polygons,
             lights: scene.lights.clone(),
             looks_by_rays: AtomicUsize::new(0),
+            hidden_sights: AtomicUsize::new(0),
         }
     }
 
@@ -161,6 +163,7 @@ impl<'a> DirectLight<'a> {
             polygons: Vec::new(),
             lights: vec![light],
             looks_by_rays: AtomicUsize::new(0),
+            hidden_sights: AtomicUsize::new(0),
         }
     }
 

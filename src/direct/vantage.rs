@@ -9,6 +9,7 @@
 
 use super::DirectLight;
 use crate::visibility::{FEW_SCREENS, Shaft, Target, clip_to_front};
+use std::sync::atomic::Ordering;
 
 /// So many screens before an emitter are kept; more are searched for by each look. A look passes them all, which costs as
 /// much as a search that finds none among tens of thousands.
@@ -73,6 +74,11 @@ impl DirectLight<'_> {
         found
     }
 
+    /// How often an emitter was found to be hidden from all of a piece.
+    pub fn hidden_sights(&self) -> usize {
+        self.hidden_sights.load(Ordering::Relaxed)
+    }
+
     /// Adds polygon `number` to `found` unless it cannot be seen from `piece`, past some of `around` if these are known.
     fn sight(&self, piece: Target, number: u32, around: Option<&[u32]>, found: &mut Vantage) {
         let polygon = &self.polygons[number as usize];
@@ -87,6 +93,7 @@ impl DirectLight<'_> {
         let (blockers, shaft) = (self.blockers, Shaft::new(piece, polygon_above));
         if shaft.is_hidden_along_its_middle(polygon.face, blockers) {
             found.is_news = true;
+            self.hidden_sights.fetch_add(1, Ordering::Relaxed);
             return;
         }
         let first = found.screens.len();

@@ -204,6 +204,13 @@ impl Summary {
                 "rays tell as much where a crowd of blockers stands between",
             );
         }
+        let hidden = solution.direct.hidden_sights();
+        if hidden > 0 {
+            say(
+                format!("{hidden} times all looks from a piece of a face at an emitter"),
+                "other faces hide it from the whole piece",
+            );
+        }
         if solution.indirect.is_none() {
             let why = if solution.settings.bounces == Bounces::Count(0) {
                 "no bounces were asked for"

@@ -21,7 +21,13 @@ pub struct Part {
     count: u32,
 }
 
-type PartEdge = ([VertexId; 2], bool, u32);
+/// An edge of a part.
+#[derive(Clone, Copy)]
+struct PartEdge {
+    part: u32,
+    /// Which of its corners it starts from.
+    corner: u32,
+}
 
 /// Every opaque face of a scene as convex parts.
 pub struct Blockers {
@@ -32,8 +38,7 @@ pub struct Blockers {
     vertices: Vec<VertexId>,
     /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
     edges: Vec<Option<EdgeId>>,
-    /// For each edge of a part its ends in ascending order, whether it runs from the first to the second, and the part;
-    /// ascending.
+    /// Each edge of a part, by the number of the corner that it starts from; those with the same ends together.
     part_edges: Vec<PartEdge>,
     tree: BoxTree,
     /// The same as convex solids where they are such.
@@ -86,15 +91,14 @@ impl Blockers {
                     (lo.min(c), hi.max(c))
                 })
         }));
-        let mut part_edges = Vec::with_capacity(vertices.len());
-        for (i, part) in (0u32..).zip(&parts) {
-            let loop_ = &vertices[part.range()];
-            for (k, &a) in loop_.iter().enumerate() {
-                let b = loop_[(k + 1) % loop_.len()];
-                part_edges.push(([a.min(b), a.max(b)], a < b, i));
-            }
-        }
-        part_edges.sort_unstable();
+        let mut part_edges: Vec<PartEdge> = (0u32..)
+            .zip(&parts)
+            .flat_map(|(part, p)| (0..p.count).map(move |corner| PartEdge { part, corner }))
+            .collect();
+        part_edges.sort_unstable_by_key(|&e| {
+            let [a, b] = ends_of(&vertices[parts[e.part as usize].range()], e.corner as usize);
+            ([a.min(b), a.max(b)], e.part, e.corner)
+        });
         let (mut triangles, mut ray_owners) = (Vec::new(), Vec::new());
         for (id, face) in scene.faces.iter() {
             for t in &face.triangles {
@@ -156,15 +160,20 @@ impl Blockers {
     /// The parts on the other side of the edge from corner `i` of a part to the next, each with whether its front is turned to the
     /// back of that one's.
     pub(super) fn beside(&self, part: u32, i: usize) -> impl Iterator<Item = (u32, bool)> {
-        let of = self.vertices(self.part(part));
-        let (a, b) = (of[i], of[(i + 1) % of.len()]);
-        let (ends, is_ascending) = ([a.min(b), a.max(b)], a < b);
-        let first = self.part_edges.partition_point(|e| e.0 < ends);
-        let same = self.part_edges[first..]
-            .iter()
-            .take_while(move |e| e.0 == ends);
-        same.filter(move |e| e.2 != part)
-            .map(move |e| (e.2, e.1 == is_ascending))
+        let ends_of = |e: &PartEdge| ends_of(self.vertices(self.part(e.part)), e.corner as usize);
+        let sorted = |[a, b]: [VertexId; 2]| [a.min(b), a.max(b)];
+        let own = ends_of(&PartEdge {
+            part,
+            corner: i as u32,
+        });
+        let first = self
+            .part_edges
+            .partition_point(|e| sorted(ends_of(e)) < sorted(own));
+        let rest = self.part_edges[first..].iter();
+        rest.map(move |e| (e.part, ends_of(e)))
+            .take_while(move |&(_, ends)| sorted(ends) == sorted(own))
+            .filter(move |&(other, _)| other != part)
+            .map(move |(other, ends)| (other, ends == own))
     }
 
     /// The part of `face` that the straight line between two points crosses.
@@ -211,6 +220,11 @@ impl Blockers {
     pub fn roundoff(&self) -> f64 {
         self.roundoff
     }
+}
+
+/// The ends of the edge from corner `i` of a part with these vertices to the next.
+fn ends_of(part: &[VertexId], i: usize) -> [VertexId; 2] {
+    [part[i], part[(i + 1) % part.len()]]
 }
 
 impl Part {

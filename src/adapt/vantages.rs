@@ -18,7 +18,9 @@ const MOST_ELEMENTS: usize = 6;
 /// The pieces of one face, in a tree of halves.
 #[derive(Default)]
 pub(super) struct Vantages {
+    /// None when nothing is known from the face as a whole.
     nodes: Vec<Node>,
+    is_known: bool,
 }
 
 /// A piece.
@@ -61,10 +63,11 @@ impl Vantages {
         domain: &FaceDomain,
         mesh: &ReceiverMesh,
     ) {
-        if self.nodes.is_empty() {
+        if !self.is_known {
             if mesh.elements.len() < LEAST_ELEMENTS {
                 return;
             }
+            self.is_known = true;
             let hull = convex_hull(domain.polygon().loops.iter().flatten().copied());
             if hull.len() < 3 {
                 return;
@@ -73,7 +76,13 @@ impl Vantages {
             if domain.side == FaceSide::Back {
                 corners.reverse();
             }
-            self.nodes.push(Node::new(corners, None, direct, domain));
+            let whole = Node::new(corners, None, direct, domain);
+            if whole.vantage.is_news() {
+                self.nodes.push(whole);
+            }
+        }
+        if self.nodes.is_empty() {
+            return;
         }
         let mut held = vec![Vec::new(); self.nodes.len()];
         for e in 0..mesh.elements.len() {

@@ -47,6 +47,11 @@ impl Vantage {
         self.sights.len()
     }
 
+    /// Whether more is known from here than from the piece around, or than nothing.
+    pub fn is_news(&self) -> bool {
+        self.is_news
+    }
+
     /// Whether looks from a part of the piece would hardly cost less from a vantage of their own: few screens are before each
     /// emitter, or a crowd that is the same from everywhere.
     pub fn is_settled(&self) -> bool {

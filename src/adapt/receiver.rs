@@ -51,6 +51,8 @@ pub struct Receiver {
     /// Those it started with, which stay: nowhere is the light looked at less densely.
     pub(super) seeds: Vec<GridPoint>,
     pub(super) errors: Vec<ElementError>,
+    /// How many times what they tell the squared errors are taken to be.
+    pub(super) distrust: f64,
     pub(super) samples: Samples,
     pub(super) is_stale: bool,
     pub(super) weld_distance: f64,
@@ -79,6 +81,7 @@ impl Receiver {
             seeds: points.clone(),
             points,
             errors: Vec::new(),
+            distrust: 1.0,
             samples: Samples::default(),
             is_stale: true,
             weld_distance: scene.weld_distance,
@@ -220,12 +223,38 @@ impl Receiver {
         for (e, error) in self.errors.iter_mut().enumerate() {
             let corners = mesh.sites[e].map(|s| added[0][s as usize] + added[1][s as usize]);
             error.estimate(mesh.area(e), corners);
+            error.square *= self.distrust;
         }
         let sum = |i: usize| {
             let both = self.exact[i].iter().zip(&added[i]);
             both.map(|(&v, &a)| v + a).collect()
         };
         (self.direct, self.indirect) = (sum(0), sum(1));
+    }
+
+    /// Takes the squared errors for `factor` times what they are taken for now.
+    pub fn distrust(&mut self, factor: f64) {
+        self.distrust *= factor;
+        self.errors.iter_mut().for_each(|e| e.square *= factor);
+    }
+
+    /// Mean irradiance that is shown, W/m².
+    pub fn mean(&self) -> Irradiance {
+        match self.area() {
+            area if area > 0.0 => self.power() * area.recip(),
+            _ => Irradiance::ZERO,
+        }
+    }
+
+    /// Estimated integral of the squared error of interpolation, (W/m²)² m².
+    pub fn expected_error(&self) -> f64 {
+        self.errors.iter().map(|e| e.square).sum()
+    }
+
+    /// Estimated mean square of the error of interpolation over element `e`, (W/m²)².
+    pub fn expected_square(&self, e: usize) -> f64 {
+        let error = self.errors.get(e).map_or(0.0, |e| e.square);
+        error / self.mesh.area(e)
     }
 
     /// Irradiance to show at site `s`, W/m².

@@ -119,6 +119,7 @@ impl Receiver {
                 continue;
             };
             if let Some(loss) = self.loss_without(light, &mesh, v, &star) {
+                let loss = loss * self.distrust;
                 found.push(Removable {
                     loss,
                     vertex: v as u32,

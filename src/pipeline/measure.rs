@@ -1,9 +1,12 @@
 //! How good the result is: what the mesh shows against what is there, at points that no stage has seen.
 
 use super::Solution;
+use super::evidence::{Evidence, Point};
+use crate::adapt::Receiver;
 use crate::quantity::Irradiance;
 use crate::radiosity::Gatherer;
 use crate::visibility::Scratch;
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// The measured error over the lit surfaces.
@@ -74,6 +77,14 @@ struct Sample {
     weights: [f64; 3],
 }
 
+impl Sample {
+    /// Frame coordinates on its receiver.
+    fn place(&self, r: &Receiver) -> DVec2 {
+        let (p, w) = (r.mesh.corners(self.element), self.weights);
+        p[0] * w[0] + p[1] * w[1] + p[2] * w[2]
+    }
+}
+
 /// Stratified by area over the elements of all lit sides: sample `i` lies in the `i`-th of `n` equal shares.
 fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
     let mut cumulative = Vec::new();
@@ -106,10 +117,10 @@ fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
         .collect()
 }
 
-pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
+pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evidence) {
     let samples = samples(solution, n, seed);
     if samples.is_empty() {
-        return Measured::default();
+        return Default::default();
     }
     let tools = || Tools {
         scratch: Scratch::default(),
@@ -146,7 +157,7 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
         .fold(0.0, f64::max);
     let relative = |x: f64| if mean > 0.0 { x / mean } else { 0.0 };
     let rms = (mesh + cross).max(0.0).sqrt();
-    Measured {
+    let measured = Measured {
         samples: found.len() as u32,
         rms,
         relative_rms: relative(rms),
@@ -154,7 +165,32 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> Measured {
         mean,
         relative_rms_mesh: relative(mesh.sqrt()),
         relative_rms_field: relative(field.sqrt()),
+    };
+    (measured, evidence(solution, &samples, &found))
+}
+
+/// What was found against what was expected.
+fn evidence(solution: &Solution, samples: &[Sample], found: &[Found]) -> Evidence {
+    let mut evidence = Evidence::default();
+    for (s, found) in samples.iter().zip(found) {
+        let r = &solution.receivers[s.receiver];
+        evidence.mesh.push(Point {
+            face: s.receiver,
+            found: found.off_known.0.mean_square(),
+            expected: r.expected_square(s.element),
+        });
+        if let (Some(off), Some(field), Some(f)) =
+            (found.field_off, &solution.indirect, r.solve_face)
+        {
+            let p = s.place(r);
+            evidence.field.push(Point {
+                face: s.receiver,
+                found: off.0.mean_square(),
+                expected: field.interpolation_error_at(f, p).powi(2),
+            });
+        }
     }
+    evidence
 }
 
 /// The buffers of one thread.
@@ -176,9 +212,7 @@ struct Found {
 /// What is found at sample number `i`.
 fn look(solution: &Solution, s: &Sample, i: usize, tools: &mut Tools) -> Found {
     let r = &solution.receivers[s.receiver];
-    let p = r.mesh.corners(s.element);
-    let w = s.weights;
-    let view = r.view(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]);
+    let view = r.view(s.place(r));
     // Not the rays that the vertices looked by, and others at each sample.
     let (direct, doubt) = (&solution.direct, solution.tolerance);
     let mut known = direct
@@ -196,7 +230,7 @@ fn look(solution: &Solution, s: &Sample, i: usize, tools: &mut Tools) -> Found {
     }
     Found {
         known,
-        off_known: r.shown(s.element, w) - known,
+        off_known: r.shown(s.element, s.weights) - known,
         field_off,
     }
 }

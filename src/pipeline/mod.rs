@@ -4,6 +4,7 @@ mod conform;
 mod convergence;
 mod energy;
 mod estimate;
+mod evidence;
 mod exposure;
 mod grading;
 mod indirect;
@@ -228,7 +229,7 @@ fn mean_of(receivers: &[Receiver]) -> f64 {
 impl Solution<'_> {
     /// Compares what the mesh shows with what is there, at stratified random points of the lit surfaces.
     pub fn measure(&self, samples: u32, seed: u64) -> Measured {
-        measure::measure(self, samples, seed)
+        measure::measure(self, samples, seed).0
     }
 
     /// Estimates the error at every vertex, for [`Solution::lit_scene`] and the summary.

@@ -1,9 +1,10 @@
 //! The stages of a bake, one function each, and what they share: the settings, the budget, the clock and the summary.
 
+use super::evidence::{Evidence, Expected};
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
-use super::measure::default_samples;
-use super::{LightError, Progress, Solution, Summary, World, domain, mean_of};
+use super::measure::{default_samples, measure};
+use super::{LightError, Measured, Progress, Solution, Summary, World, domain, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::budget::{Limit, Meter};
@@ -48,8 +49,11 @@ const DIRECT_SHARE: f64 = 0.9;
 /// another round costs as much as all before.
 pub const MEASURE_SLACK: f64 = 0.05;
 
-/// A part that exceeded its share is asked for so much more than its excess.
-const MISSED_MARGIN: f64 = 0.9;
+/// So many times the points at which a mesh is first measured tell whether it has to be better.
+const MORE_POINTS: u32 = 4;
+
+/// No part is asked for less than this share of what it was asked for before: half in squares.
+const LEAST_STEP: f64 = 0.7;
 
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
 const MAX_ROUNDS: usize = 4;
@@ -104,18 +108,20 @@ impl Aim {
         }
     }
 
-    /// Asks for more where a part was found to be off by more than its share: what its estimate has missed.
-    fn ask_more(&mut self, settings: &Settings, summary: &Summary) {
-        let more = |share: f64, found: f64, allowed: f64| {
-            if found > allowed * settings.error {
-                share * (allowed * settings.error / found).max(0.25) * MISSED_MARGIN
+    /// Asks for more where a part was found to be off by more than its share, and is not expected to be by now (both relative to
+    /// the mean).
+    fn ask_more(&mut self, error: f64, measured: &Measured, expected: Expected) {
+        let more = |share: f64, found: f64, expected: f64, allowed: f64| {
+            if found > allowed * error {
+                share * (expected / found).clamp(LEAST_STEP, 1.0)
             } else {
                 share
             }
         };
-        let measured = &summary.measured;
-        self.display = more(self.display, measured.relative_rms_mesh, self.most_display);
-        self.field = more(self.field, measured.relative_rms_field, self.most_field);
+        let mesh = measured.relative_rms_mesh;
+        self.display = more(self.display, mesh, expected.mesh, self.most_display);
+        let field = measured.relative_rms_field;
+        self.field = more(self.field, field, expected.field, self.most_field);
     }
 }
 
@@ -271,21 +277,35 @@ impl<'r, 'p> Run<'r, 'p> {
                 self.refine_display(aim, receivers, &solution.direct, indirect, 0.0)?;
             }
             self.start("measure");
-            let samples = settings
-                .samples
-                .unwrap_or_else(|| default_samples(solution));
-            let measured = solution.measure(samples, settings.seed + round as u64);
+            let seed = settings.seed + round as u64;
+            let (measured, evidence) = self.measured(solution, seed);
             let summary = &mut self.summary;
             summary.measured = measured;
             summary.rounds = round + 1;
-            let is_met = measured.relative_rms <= (1.0 + MEASURE_SLACK) * settings.error;
+            let is_met = is_met(&measured, settings);
             summary.stopped_by = self.meter.reached().filter(|_| !is_met).map(Limit::name);
             if is_met || summary.stopped_by.is_some() {
                 break;
             }
-            aim.ask_more(settings, summary);
+            let expected = evidence.teach(solution, measured.mean);
+            aim.ask_more(settings.error, &measured, expected);
         }
         Ok(())
+    }
+
+    /// Measures the error; where it exceeds the one asked for once more at many points, unless their number is given: a few spots
+    /// decide, which a thousand points find or do not, and another round costs more than they do.
+    fn measured(&self, solution: &Solution, seed: u64) -> (Measured, Evidence) {
+        let settings = self.settings;
+        if let Some(samples) = settings.samples {
+            return measure(solution, samples, seed);
+        }
+        let samples = default_samples(solution);
+        let first = measure(solution, samples, seed);
+        if is_met(&first.0, settings) || self.meter.is_used_up() {
+            return first;
+        }
+        measure(solution, MORE_POINTS * samples, seed + MAX_ROUNDS as u64)
     }
 
     /// Gathers the field and corrects it by its residual, in turn: the first correction of all is made while there are few
@@ -332,6 +352,10 @@ impl<'r, 'p> Run<'r, 'p> {
         }
         Ok(())
     }
+}
+
+fn is_met(measured: &Measured, settings: &Settings) -> bool {
+    measured.relative_rms <= (1.0 + MEASURE_SLACK) * settings.error
 }
 
 fn too_many(world: &World, error: TooManyUnknowns) -> BadInput {

@@ -105,6 +105,8 @@ pub struct IndirectField<'a> {
     /// Links of the coarse mesh, for what the corrections cause in their turn.
     transport: Transport,
     faces: Vec<FieldFace>,
+    /// How many times what they tell their squared errors are taken to be.
+    distrust: Vec<f64>,
     /// What of each face the links have no say in.
     held: Vec<Held>,
     request: Request,
@@ -318,6 +320,7 @@ impl<'a> IndirectField<'a> {
             gathers: transport.node_count(),
             solution,
             transport,
+            distrust: vec![1.0; faces.len()],
             faces,
             held,
             request,
@@ -343,7 +346,7 @@ impl<'a> IndirectField<'a> {
             if self.estimated_rms <= target || !goes_on {
                 break;
             }
-            let mut squares: Vec<f64> = self.faces.iter().flat_map(FieldFace::errors).collect();
+            let mut squares: Vec<f64> = self.squares().collect();
             squares.sort_unstable_by(f64::total_cmp);
             let mut unmarked = 0.0;
             let limit = squares
@@ -360,9 +363,11 @@ impl<'a> IndirectField<'a> {
                 .faces
                 .par_iter_mut()
                 .zip(&solution.mesh.faces)
+                .zip(&self.distrust)
                 // One face may cost more than all others together.
                 .with_max_len(1)
-                .map(|(field, face)| {
+                .map(|((field, face), distrust)| {
+                    let limit = limit / distrust;
                     if is_late() {
                         return Ok(0);
                     }
@@ -456,6 +461,17 @@ impl<'a> IndirectField<'a> {
         self.faces.iter().map(FieldFace::area).sum()
     }
 
+    /// Squared errors of all elements, (W/m²)² m².
+    fn squares(&self) -> impl Iterator<Item = f64> {
+        let faces = self.faces.iter().zip(&self.distrust);
+        faces.flat_map(|(face, &d)| face.errors().into_iter().map(move |e| d * e))
+    }
+
+    /// Takes the squared errors on solve face `f` for `factor` times what they are taken for now.
+    pub fn distrust(&mut self, f: usize, factor: f64) {
+        self.distrust[f] *= factor;
+    }
+
     /// Indirect irradiance at frame coordinates `p` of solve face `f`, W/m², interpolated.
     pub fn at(&self, f: usize, p: DVec2) -> Irradiance {
         self.faces[f].at(p)
@@ -497,7 +513,7 @@ impl<'a> IndirectField<'a> {
 
     /// The same as it is now.
     pub fn estimate_rms(&mut self) -> f64 {
-        let total: f64 = self.faces.iter().flat_map(FieldFace::errors).sum();
+        let total: f64 = self.squares().sum();
         self.estimated_rms = (total / self.area()).sqrt();
         self.estimated_rms
     }

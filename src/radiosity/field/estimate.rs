@@ -55,6 +55,6 @@ impl IndirectField<'_> {
     /// Estimated RMS error of interpolating the field over that of its elements which holds frame coordinates `p` of solve
     /// face `f`, W/m².
     pub fn interpolation_error_at(&self, f: usize, p: DVec2) -> f64 {
-        self.faces[f].error_at(p)
+        self.faces[f].error_at(p) * self.distrust[f].sqrt()
     }
 }

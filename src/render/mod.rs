@@ -7,6 +7,7 @@ mod glyphs;
 mod image;
 mod irradiance;
 mod legend;
+mod raster;
 mod raycast;
 mod surface;
 

@@ -1,12 +1,13 @@
 //! The flat view of a lit model: one fixed pattern of rays a pixel, nothing random.
 
+use super::raster::{Raster, Rays, Row, Side};
 use super::surface::Surfaces;
 use super::{Image, LitModel};
 use crate::bad_input::BadInput;
 use crate::quantity::Rgb;
 use crate::scene::Camera;
 use crate::texture::TextureMean;
-use crate::visibility::{Hit, RayCaster};
+use crate::visibility::Hit;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -77,7 +78,7 @@ pub fn render(model: &LitModel, settings: &RenderSettings) -> Result<Image, BadI
     let view = View::new(model, settings);
     let rows: Vec<Vec<Rgb>> = (0..settings.height)
         .into_par_iter()
-        .map(|y| (0..settings.width).map(|x| view.pixel(x, y)).collect())
+        .map_init(Row::default, |found, y| view.row(y, found))
         .collect();
     Ok(Image {
         width: settings.width,
@@ -89,14 +90,11 @@ pub fn render(model: &LitModel, settings: &RenderSettings) -> Result<Image, BadI
 /// A model ready to be looked at.
 struct View<'a> {
     settings: &'a RenderSettings,
-    caster: RayCaster,
+    raster: Raster,
     model: &'a LitModel,
     surfaces: Surfaces,
-    /// Part and corners of each triangle of the caster.
+    /// Part and corners of each triangle of the raster.
     triangles: Vec<(usize, [u32; 3])>,
-    /// Half the width and half the height of the picture at distance 1, as vectors.
-    half_right: DVec3,
-    half_up: DVec3,
 }
 
 impl<'a> View<'a> {
@@ -107,63 +105,56 @@ impl<'a> View<'a> {
             .enumerate()
             .flat_map(|(i, part)| part.triangles.iter().map(move |&corners| (i, corners)))
             .collect();
-        let places: Vec<_> = triangles
-            .iter()
-            .map(|&(part, corners)| corners.map(|i| model.parts[part].positions[i as usize]))
-            .collect();
-        let camera = &settings.camera;
-        let slope = (camera.vertical_fov_rad / 2.0).tan();
-        let aspect = f64::from(settings.width) / f64::from(settings.height);
+        let seen = triangles.iter().map(|&(part, corners)| {
+            let part = &model.parts[part];
+            let side = Side {
+                is_double: part.is_double_sided,
+                is_cut_out: part.cut_off.is_some(),
+            };
+            (corners.map(|i| part.positions[i as usize]), side)
+        });
         Self {
             settings,
             model,
             surfaces: Surfaces::new(model),
-            caster: RayCaster::new(&places),
+            raster: Raster::new(rays(settings), seen),
             triangles,
-            half_right: camera.forward.cross(camera.up) * (slope * aspect),
-            half_up: camera.up * slope,
         }
     }
 
-    fn pixel(&self, x: u32, y: u32) -> Rgb {
+    /// The pixels of row `y`: each the mean over its rays.
+    fn row(&self, y: u32, found: &mut Row) -> Vec<Rgb> {
         let n = self.settings.supersample;
-        let mut sum = Rgb::BLACK;
-        for row in 0..n {
-            for column in 0..n {
-                let across = grid(x, column, n, self.settings.width);
-                let down = grid(y, row, n, self.settings.height);
-                sum += self.ray(across, -down);
+        let is_there = |hit: &Hit, dir| {
+            self.texture(hit, dir)
+                .is_none_or(|t| t.coverage >= THERE_FROM)
+        };
+        let mut pixels = vec![Rgb::BLACK; self.settings.width as usize];
+        for row in y * n..(y + 1) * n {
+            self.raster.draw(row, is_there, found);
+            for (x, pixel) in (0..).zip(&mut pixels) {
+                for column in x * n..(x + 1) * n {
+                    let hit = self.raster.hit(found, column, row);
+                    *pixel += hit.map_or(self.settings.background, |(h, d)| self.colour(&h, d));
+                }
             }
         }
-        sum * (1.0 / f64::from(n * n))
-    }
-
-    /// The colour in direction (`right`, `up`), each −1…1 within the picture.
-    fn ray(&self, right: f64, up: f64) -> Rgb {
-        let camera = &self.settings.camera;
-        let dir = camera.forward + self.half_right * right + self.half_up * up;
-        let is_drawn = |hit: &Hit| {
-            let part = &self.model.parts[self.triangles[hit.triangle as usize].0];
-            let is_there = || {
-                self.texture(hit, dir)
-                    .is_none_or(|t| t.coverage >= THERE_FROM)
-            };
-            (hit.is_front || part.is_double_sided) && (part.cut_off.is_none() || is_there())
-        };
-        self.caster
-            .nearest_where(camera.eye, dir, 0.0, f64::INFINITY, is_drawn)
-            .map_or(self.settings.background, |hit| self.colour(&hit, dir))
+        let share = 1.0 / f64::from(n * n);
+        pixels.into_iter().map(|sum| sum * share).collect()
     }
 
     /// What the texture shows at a hit, if there is one.
     fn texture(&self, hit: &Hit, dir: DVec3) -> Option<TextureMean> {
         let (index, corners) = self.triangles[hit.triangle as usize];
+        if !self.surfaces.is_textured(index) {
+            return None;
+        }
         let part = &self.model.parts[index];
         let [p, q, r] = corners.map(|i| part.positions[i as usize]);
         let slant = (q - p).cross(r - p).normalize().dot(dir.normalize()).abs();
         // The square that one ray stands for, at distance 1 and where it hits.
         let rays = f64::from(self.settings.height) * f64::from(self.settings.supersample);
-        let side = 2.0 * self.half_up.length() / rays * hit.t;
+        let side = 2.0 * self.raster.rays().half_up.length() / rays * hit.t;
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         self.surfaces
             .look_up((index, part), corners, weights, side * side / slant)
@@ -178,10 +169,19 @@ impl<'a> View<'a> {
     }
 }
 
-/// Where sample `part` of `parts` in pixel `index` of `count` lies, from −1 at the first edge to 1 at the last.
-fn grid(index: u32, part: u32, parts: u32, count: u32) -> f64 {
-    let pixels = f64::from(index) + (f64::from(part) + 0.5) / f64::from(parts);
-    2.0 * pixels / f64::from(count) - 1.0
+/// All rays that `settings` ask for.
+fn rays(settings: &RenderSettings) -> Rays {
+    let camera = &settings.camera;
+    let slope = (camera.vertical_fov_rad / 2.0).tan();
+    let aspect = f64::from(settings.width) / f64::from(settings.height);
+    Rays {
+        eye: camera.eye,
+        columns: settings.width * settings.supersample,
+        rows: settings.height * settings.supersample,
+        forward: camera.forward,
+        half_right: camera.forward.cross(camera.up) * (slope * aspect),
+        half_up: camera.up * slope,
+    }
 }
 
 #[cfg(test)]

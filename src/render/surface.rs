@@ -49,6 +49,11 @@ impl Surfaces {
         Self { textures, of_part }
     }
 
+    /// Whether part number `index` has a texture.
+    pub(super) fn is_textured(&self, index: usize) -> bool {
+        self.of_part[index].is_some()
+    }
+
     /// What the texture of a part shows at barycentric coordinates `weights` of the triangle `corners`, in a pixel that
     /// covers `footprint` m² of it; `None` without a texture.
     pub(super) fn look_up(

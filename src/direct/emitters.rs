@@ -5,7 +5,7 @@ use super::punctual::{irradiance_by, unoccluded_by};
 use crate::geom::Plane;
 use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
-use crate::visibility::{Blockers, Scratch, Screening, Target, Viewpoint};
+use crate::visibility::{Blockers, Scratch, Screening, Seen, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::sync::atomic::AtomicUsize;
@@ -91,11 +91,14 @@ pub(super) fn visible_factor_among(
         return Some(open);
     }
     let mut f = 0.0;
-    scratch
-        .visible_among(screening, blockers, view, polygon.target(), |piece| {
-            f += weight(view, piece);
-        })
-        .then_some(f.clamp(0.0, open))
+    let add = |piece: &[DVec3]| f += weight(view, piece);
+    Some(
+        match scratch.visible_among(screening, blockers, view, polygon.target(), add)? {
+            Seen::All => open,
+            Seen::Part => f.clamp(0.0, open),
+            Seen::Nothing => 0.0,
+        },
+    )
 }
 
 /// The form factor of a polygon as if nothing hid it.

@@ -28,6 +28,17 @@ pub enum Screening<'s> {
     Known(&'s [u32]),
 }
 
+/// How much is seen of something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// All of it that is above the horizon.
+    All,
+    /// Some of it, or next to nothing.
+    Part,
+    /// Nothing.
+    Nothing,
+}
+
 /// Buffers that live over many calls.
 #[derive(Default)]
 pub struct Scratch {
@@ -77,11 +88,15 @@ impl Scratch {
         target: Target,
         visit: impl FnMut(&[DVec3]),
     ) {
-        self.visible_among(Screening::AtMost(usize::MAX), blockers, view, target, visit);
+        let all = Screening::AtMost(usize::MAX);
+        let mut visit = visit;
+        if self.visible_among(all, blockers, view, target, &mut visit) == Some(Seen::All) {
+            self.visible_past(blockers, std::iter::empty(), view, target, visit);
+        }
     }
 
     /// As [`Scratch::visible_pieces`] past the screens that `screening` finds. Where they are too many it visits nothing and
-    /// returns false.
+    /// returns none; nor does it visit anything where all of what is above the horizon is seen.
     pub fn visible_among(
         &mut self,
         screening: Screening,
@@ -89,42 +104,81 @@ impl Scratch {
         view: &Viewpoint,
         target: Target,
         visit: impl FnMut(&[DVec3]),
-    ) -> bool {
+    ) -> Option<Seen> {
         let (mut candidates, mut cones) = (
             std::mem::take(&mut self.candidates),
             std::mem::take(&mut self.cones),
         );
-        candidates.clear();
-        let mut are_few = true;
-        if self.starts(blockers, view, target)
-            && (matches!(screening, Screening::Known(s) if s.len() <= FEW_SCREENS)
-                || !self.is_hidden_by_few(blockers, view, target, &mut cones))
-        {
-            // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
-            let region = Region::pyramid(view.position, target.corners)
-                .in_front_of([view.horizon, target.plane]);
-            let plane = target.plane;
-            match screening {
-                Screening::AtMost(most) => {
-                    are_few =
-                        blockers.collect_few_screens(most, view, &region, plane, &mut candidates);
-                }
-                Screening::Known(screens) => {
-                    let may_hide = |&&s: &&u32| blockers.may_hide(s, view, &region, plane);
-                    candidates.extend(screens.iter().filter(may_hide));
-                }
-            }
-            if are_few {
-                let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
-                let hider = blockers.cones(&candidates, view, target.plane, &base, &mut cones);
-                if hider.is_none() {
-                    self.visible_past(blockers, cones.iter(), view, target, visit);
-                }
-            }
-        }
+        let seen = self.screened(
+            screening,
+            blockers,
+            view,
+            target,
+            &mut candidates,
+            &mut cones,
+        );
         self.candidates = candidates;
         self.cones = cones;
-        are_few
+        if seen == Some(Seen::Part) {
+            self.show(visit);
+        }
+        seen
+    }
+
+    /// Holds the pieces that are seen past the screens that `screening` finds, unless they are too many.
+    fn screened(
+        &mut self,
+        screening: Screening,
+        blockers: &Blockers,
+        view: &Viewpoint,
+        target: Target,
+        candidates: &mut Vec<u32>,
+        cones: &mut Cones,
+    ) -> Option<Seen> {
+        if !self.starts(blockers, view, target) {
+            return Some(Seen::Nothing);
+        }
+        let are_few = matches!(screening, Screening::Known(s) if s.len() <= FEW_SCREENS);
+        if !are_few && !blockers.is_small_world() {
+            if self.is_hidden_by_few(blockers, view, target, cones) {
+                return Some(Seen::Nothing);
+            }
+            self.starts(blockers, view, target);
+        }
+        // Counter-clockwise seen from in front is counter-clockwise seen from the viewpoint, which is in front.
+        let region = Region::pyramid(view.position, target.corners)
+            .in_front_of([view.horizon, target.plane]);
+        let plane = target.plane;
+        candidates.clear();
+        match screening {
+            Screening::AtMost(most) => {
+                if !blockers.collect_few_screens(most, view, &region, plane, candidates) {
+                    return None;
+                }
+            }
+            Screening::Known(screens) => {
+                let may_hide = |&&s: &&u32| blockers.may_hide(s, view, &region, plane);
+                candidates.extend(screens.iter().filter(may_hide));
+            }
+        }
+        if candidates.is_empty() {
+            return Some(Seen::All);
+        }
+        let base: Piece = target.corners.iter().map(|&c| c - view.position).collect();
+        if blockers
+            .cones(candidates, view, plane, &base, cones)
+            .is_some()
+        {
+            return Some(Seen::Nothing);
+        }
+        let is_cut = self.cut_out(cones.iter());
+        Some(if self.pieces.ranges.is_empty() {
+            Seen::Nothing
+        } else if is_cut {
+            Seen::Part
+        } else {
+            Seen::All
+        })
     }
 
     /// As [`Scratch::visible_pieces`], past the given cones only.
@@ -134,17 +188,28 @@ impl Scratch {
         cones: impl Iterator<Item = Cone<'c>>,
         view: &Viewpoint,
         target: Target,
-        mut visit: impl FnMut(&[DVec3]),
+        visit: impl FnMut(&[DVec3]),
     ) {
-        if !self.starts(blockers, view, target) {
-            return;
+        if self.starts(blockers, view, target) {
+            self.cut_out(cones);
+            self.show(visit);
         }
+    }
+
+    /// Cuts `cones` out of what is held; returns whether they hide any of it.
+    fn cut_out<'c>(&mut self, cones: impl Iterator<Item = Cone<'c>>) -> bool {
+        let mut is_cut = false;
         for cone in cones {
-            self.pieces.subtract(&cone);
+            is_cut |= self.pieces.subtract(&cone);
             if self.pieces.ranges.is_empty() {
-                return;
+                break;
             }
         }
+        is_cut
+    }
+
+    /// Calls `visit` with each piece that is held.
+    fn show(&mut self, mut visit: impl FnMut(&[DVec3])) {
         for &range in &self.pieces.ranges {
             self.shown.clear();
             self.shown
@@ -195,8 +260,8 @@ impl Pieces {
         Some(self.piece(*range).iter().map(|c| c.direction).collect())
     }
 
-    /// Cuts `cone` out of all pieces.
-    pub(super) fn subtract(&mut self, cone: &Cone) {
+    /// Cuts `cone` out of all pieces; returns whether it hides any of them.
+    pub(super) fn subtract(&mut self, cone: &Cone) -> bool {
         let count = self.ranges.len();
         let mut kept = 0;
         for i in 0..count {
@@ -214,6 +279,7 @@ impl Pieces {
             }
         }
         self.ranges.drain(kept..count);
+        kept < count
     }
 
     /// Adds what `cone` leaves of a piece, and returns true; or adds nothing when the cone hides none of it, so that it may

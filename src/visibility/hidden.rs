@@ -24,9 +24,6 @@ impl Scratch {
         target: Target,
         cones: &mut Cones,
     ) -> bool {
-        if blockers.screen_count() <= SMALL_WORLD {
-            return false;
-        }
         for _ in 0..PROBES {
             let Some(base) = self.pieces.last() else {
                 return true;
@@ -45,13 +42,20 @@ impl Scratch {
             if cones.is_empty() {
                 return false;
             }
-            cones.iter().for_each(|cone| self.pieces.subtract(&cone));
+            for cone in cones.iter() {
+                self.pieces.subtract(&cone);
+            }
         }
         self.pieces.last().is_none()
     }
 }
 
 impl Blockers {
+    /// Whether finding all that are between costs less than [`Scratch::is_hidden_by_few`].
+    pub(super) fn is_small_world(&self) -> bool {
+        self.screen_count() <= SMALL_WORLD
+    }
+
     /// The first face from `view` on the way `way` (metres) that ends on `target`.
     fn first_on(&self, view: &Viewpoint, way: DVec3, target: Target) -> Option<FaceId> {
         let tol = self.weld_distance();

@@ -17,7 +17,7 @@ mod solid;
 mod view;
 
 pub(crate) use backprojection::FEW_SCREENS;
-pub use backprojection::{Scratch, Screening};
+pub use backprojection::{Scratch, Screening, Seen};
 pub use blockers::{Blockers, Part};
 pub use box_tree::BoxTree;
 pub(crate) use cone::clip_to_front;

@@ -51,15 +51,6 @@ pub(super) struct Sources {
     powers: Vec<Power>,
 }
 
-/// What need not be looked at.
-#[derive(Clone, Copy)]
-pub(super) struct Limits {
-    /// Clusters that send less than this irradiance, W/m².
-    pub(super) skip: f64,
-    /// What these rays will do for.
-    pub(super) sweep: Option<Sweep>,
-}
-
 impl Clusters {
     /// The tree over those of `faces` that reflect: halved at the median along the longest extent of their middles.
     pub(super) fn new(faces: &[SolveFace]) -> Self {
@@ -109,12 +100,12 @@ impl Clusters {
         self.nodes.len() as u32 - 1
     }
 
-    /// Calls `sink` for the sides whose light is to be cut exactly for `view`, in an order that depends on the tree alone.
+    /// Calls `sink` for the sides whose light is to be cut exactly for `view`, as the rays of `sweep` will not do for them, in an order that depends on the tree alone.
     pub(super) fn visit(
         &self,
         view: &Viewpoint,
         sources: &Sources,
-        limits: Limits,
+        sweep: Option<Sweep>,
         mut sink: impl FnMut(usize),
     ) {
         let mut open: Vec<u32> = Vec::from_iter(self.root());
@@ -129,7 +120,7 @@ impl Clusters {
             };
             let arriving = cluster.largest_kernel(view) * power.total;
             let is_swept = |s: Sweep| s.is_enough(power.brightest, arriving);
-            if arriving > limits.skip && !limits.sweep.is_some_and(is_swept) {
+            if arriving > 0.0 && !sweep.is_some_and(is_swept) {
                 open.extend(pair.into_iter().rev());
             }
         }
@@ -205,39 +196,33 @@ mod tests {
         Viewpoint::new(DVec3::splat(0.1), DVec3::ONE.normalize())
     }
 
-    /// The sides of a cube, all of radiosity 2 W/m², that are to be cut exactly.
-    fn cut(limits: Limits) -> Vec<usize> {
+    /// The sides of a cube, all of radiosity `brightest` (W/m²), that are to be cut exactly.
+    fn cut(brightest: f64, sweep: Option<Sweep>) -> Vec<usize> {
         let mesh = cube_mesh(0.5);
         let light = |_| FaceLight {
-            largest: 2.0,
+            largest: brightest,
             ..FaceLight::default()
         };
         let sources = Sources::new(&mesh, mesh.faces.iter().map(light).collect(), 0.0);
         let mut sides = Vec::new();
         mesh.clusters
-            .visit(&view(), &sources, limits, |side| sides.push(side));
+            .visit(&view(), &sources, sweep, |side| sides.push(side));
         sides.sort_unstable();
         sides
     }
 
     #[test]
     fn every_side_is_cut_where_there_are_no_rays() {
-        let exact = Limits {
-            skip: 0.0,
-            sweep: None,
-        };
-        assert_eq!(cut(exact), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(cut(2.0, None), [0, 1, 2, 3, 4, 5]);
     }
 
     #[test]
-    fn none_is_cut_where_rays_will_do_or_light_is_too_faint() {
-        let [few, skipped] = [(f64::INFINITY, 0.0), (0.0, f64::INFINITY)].map(|(noise, skip)| {
-            cut(Limits {
-                skip,
-                sweep: Some(Sweep { noise }),
-            })
-        });
-        assert!(few.is_empty() && skipped.is_empty());
+    fn none_is_cut_where_rays_will_do_or_there_is_no_light() {
+        let few = Sweep {
+            noise: f64::INFINITY,
+        };
+        assert!(cut(2.0, Some(few)).is_empty());
+        assert!(cut(0.0, None).is_empty());
     }
 
     #[test]
@@ -245,11 +230,7 @@ mod tests {
         let mesh = cube_mesh(0.0);
         assert!(mesh.clusters.nodes.is_empty());
         let sources = Sources::new(&mesh, vec![FaceLight::default(); 6], 1.0);
-        let limits = Limits {
-            skip: 0.0,
-            sweep: None,
-        };
         mesh.clusters
-            .visit(&view(), &sources, limits, |_| panic!("a black side"));
+            .visit(&view(), &sources, None, |_| panic!("a black side"));
     }
 }

@@ -6,15 +6,17 @@
 //! where that is too large, smaller elements.
 //!
 //! What the finer field reflects differs from what the solution had assumed. That difference is the residual of the
-//! solution; gathered in its turn it is both an estimate of the solution's error and its correction.
+//! solution; what it brings about is both an estimate of the solution's error and its correction. The points remember what
+//! they see, so that a correction costs next to nothing.
 
+mod correction;
 mod estimate;
 
 pub use estimate::SolutionError;
 
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::clusters::Sources;
-use super::field_face::FieldFace;
+use super::field_face::{CellLink, FieldFace, Gathered, Source, merged};
 use super::gather::{Gatherers, Oracle};
 use super::held::{Held, looks_into_gap};
 use super::nodes::NodalField;
@@ -43,14 +45,8 @@ const MAX_ROUNDS: usize = 24;
 const LINK_SHARE: f64 = 0.2;
 const RAY_SHARE: f64 = 0.2;
 
-/// A correction is small: its gathers may be so much less accurate.
-const CORRECTION_ACCURACY: f64 = 4.0;
-
 /// What a gather that others are judged by is asked for beyond that.
 const REFERENCE_SHARE: f64 = 0.25;
-
-/// A face whose share of the residual sends less than this share of the permitted error is not looked at.
-const SKIP_SHARE: f64 = 0.05;
 
 /// Cells are at most as wide as the spacing of the solve mesh, and not divided below this share of it.
 const SMALLEST_SHARE: f64 = 1.0 / 32.0;
@@ -131,20 +127,13 @@ struct Coarse<'a> {
 }
 
 /// How good a row or gather from `sources` has to be: what is not linear right to `link`, what rays say to `ray`, W/m².
-fn oracle<'s>(
-    mesh: &SolveMesh,
-    sources: &'s Sources,
-    link: f64,
-    ray: f64,
-    skip: f64,
-) -> Oracle<'s> {
+fn oracle<'s>(mesh: &SolveMesh, sources: &'s Sources, link: f64, ray: f64) -> Oracle<'s> {
     let is_crowded = mesh.is_crowded();
     let ray = RAY_SHARE * ray;
     Oracle {
         sources,
         link: LINK_SHARE * link,
         ray: if is_crowded { ray } else { 0.0 },
-        skip,
         sweep: (is_crowded && ray > 0.0).then_some(Sweep { noise: ray }),
     }
 }
@@ -170,18 +159,33 @@ impl Coarse<'_> {
     /// The field as it starts when the nodes of the solution are whole elements: gathered at points.
     fn gathered_at_nodes(&self) -> Vec<FieldFace> {
         let (nodes, views) = point_nodes(&self.mesh, self.blockers);
-        let values: Vec<Irradiance> = views
+        let gathered: Vec<Gathered> = views
             .par_iter()
             .map_init(
                 || self.gatherer(),
-                |gatherer, view| self.gather(gatherer, view, &self.light, self.error, 0.0),
+                |gatherer, view| self.gather_links(gatherer, view, &self.light, self.error),
             )
             .collect();
+        let values: Vec<Irradiance> = gathered.iter().map(|g| g.value).collect();
         let field = NodalField {
             nodes: &nodes,
             values: &values,
         };
-        started(&self.mesh, &field)
+        let source = |node: u32| gathered[node as usize].source.clone();
+        self.started(&field, source)
+    }
+
+    /// The field as it starts: from where light comes to each node `source` tells.
+    fn started(
+        &self,
+        values: &NodalField,
+        source: impl Fn(u32) -> Source + Copy,
+    ) -> Vec<FieldFace> {
+        let weld_distance = self.blockers.weld_distance();
+        let faces = self.mesh.faces.iter().enumerate();
+        faces
+            .map(|(f, face)| FieldFace::new(face, f, values, weld_distance, source))
+            .collect()
     }
 
     /// Indirect irradiance at `view` from `light`, W/m².
@@ -191,17 +195,46 @@ impl Coarse<'_> {
         view: &Viewpoint,
         light: &Sources,
         accuracy: f64,
-        skip: f64,
+    ) -> Irradiance {
+        self.visit(gatherer, view, light, accuracy, |_, _, _| ())
+    }
+
+    /// The same, and the cells that it comes from.
+    fn gather_links(
+        &self,
+        gatherer: &mut Gatherer,
+        view: &Viewpoint,
+        light: &Sources,
+        accuracy: f64,
+    ) -> Gathered {
+        let mut links = Vec::new();
+        let value = self.visit(gatherer, view, light, accuracy, |f, c, weights| {
+            links.push(CellLink::new(f, c, weights));
+        });
+        Gathered {
+            value,
+            source: Source::Cells(merged(links)),
+        }
+    }
+
+    fn visit(
+        &self,
+        gatherer: &mut Gatherer,
+        view: &Viewpoint,
+        light: &Sources,
+        accuracy: f64,
+        mut link: impl FnMut(usize, usize, [f64; 3]),
     ) -> Irradiance {
         // The mistakes of rays fall differently on each point: what comes back of them with the next bounces is a mean
         // over many.
-        let oracle = oracle(&self.mesh, light, accuracy, accuracy / self.loss, skip);
+        let oracle = oracle(&self.mesh, light, accuracy, accuracy / self.loss);
         let mut sum = Irradiance::ZERO;
         gatherer.visit(view, &oracle, &mut |f, c, weights| {
             let corners = &light.faces[f].cells[c].corners;
             for (b, w) in corners.iter().zip(weights) {
                 sum += Irradiance(b.0 * w);
             }
+            link(f, c, weights);
         });
         sum
     }
@@ -224,7 +257,7 @@ fn follow_limits(mesh: &SolveMesh, error: f64) -> FollowLimits {
 fn residual(
     mesh: &SolveMesh,
     trees: &mut [FaceCells],
-    old: Vec<FaceLight>,
+    old: &[FaceLight],
     error: f64,
     arriving: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
 ) -> (Vec<FaceLight>, Vec<FaceLight>) {
@@ -236,16 +269,9 @@ fn residual(
         .par_iter()
         .zip(old)
         .zip(trees)
-        .map(|((new, old), tree)| new.minus(&old, tree))
+        .map(|((new, old), tree)| new.minus(old, tree))
         .collect();
     (new, residual)
-}
-
-/// The field as it starts.
-fn started(mesh: &SolveMesh, values: &NodalField) -> Vec<FieldFace> {
-    (0..mesh.faces.len())
-        .map(|f| FieldFace::new(&mesh.faces[f], f, values))
-        .collect()
 }
 
 impl<'a> IndirectField<'a> {
@@ -279,7 +305,7 @@ impl<'a> IndirectField<'a> {
             Linking::Leaves => (0.0, 1.0),
         };
         let mut sources = Sources::new(&mesh, light, ambient);
-        let oracle = oracle(&mesh, &sources, accuracy, accuracy / loss, 0.0);
+        let oracle = oracle(&mesh, &sources, accuracy, accuracy / loss);
         let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
         let mut transport =
             Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
@@ -313,7 +339,7 @@ impl<'a> IndirectField<'a> {
             area,
         };
         let faces = match request.basis {
-            Basis::Linear => started(&solution.mesh, &transport.field(&solved.values)),
+            Basis::Linear => solution.started(&transport.field(&solved.values), Source::Node),
             Basis::Constant => solution.gathered_at_nodes(),
         };
         let field = Self {
@@ -373,7 +399,8 @@ impl<'a> IndirectField<'a> {
                     }
                     let accuracy = solution.accuracy(face);
                     field.buy(face, limit, solution.blockers.weld_distance(), |view| {
-                        gatherers.lend(|g| solution.gather(g, view, &solution.light, accuracy, 0.0))
+                        gatherers
+                            .lend(|g| solution.gather_links(g, view, &solution.light, accuracy))
                     })
                 })
                 .collect::<Result<_, _>>()?;
@@ -385,76 +412,6 @@ impl<'a> IndirectField<'a> {
             self.held.iter_mut().for_each(Held::forget);
         }
         Ok(())
-    }
-
-    /// Replaces the light of the cells by what the field and `direct` (as in [`IndirectField::solve`]) reflect, and adds to
-    /// the field what that changes; returns the RMS of this correction (W/m²), an estimate of the error before it. Light
-    /// that is reflected a counted number of times is left alone.
-    pub fn correct(
-        &mut self,
-        direct: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
-    ) -> f64 {
-        if self.request.bounces != Bounces::All {
-            return 0.0;
-        }
-        let solution = &mut self.solution;
-        let mesh = &solution.mesh;
-        let (mut new, residual) = residual(
-            mesh,
-            &mut solution.trees,
-            std::mem::take(&mut solution.light.faces),
-            self.request.error,
-            |face, f, p| direct(face, f, p) + self.faces[f].at(p),
-        );
-        for (f, (light, tree)) in residual.iter().zip(&solution.trees).enumerate() {
-            if self.held[f].note(tree, light) {
-                self.transport.hold(f, &self.held[f]);
-            }
-        }
-        // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
-        let once = self.transport.gather_all(&residual);
-        let all = self
-            .transport
-            .solve(mesh, &residual, self.request.method())
-            .expect("the same links have been solved before")
-            .values;
-        let further: Vec<Irradiance> = all.iter().zip(&once).map(|(&a, &o)| a - o).collect();
-        let (all, further) = (self.transport.field(&all), self.transport.field(&further));
-        let trees = &solution.trees;
-        let held = &self.held;
-        new.par_iter_mut()
-            .zip(&mesh.faces)
-            .enumerate()
-            .for_each(|(f, (light, face))| {
-                light.add(&trees[f], &held[f], |p| {
-                    Radiosity(face.reflectance * all.at(face, f, p).0)
-                });
-            });
-        solution.light = Sources::new(mesh, new, 0.0);
-        let residual = Sources::new(mesh, residual, 0.0);
-        let solution = &self.solution;
-        let skip = SKIP_SHARE * solution.error;
-        let gatherers = solution.gatherers();
-        let squares: Vec<f64> = self
-            .faces
-            .par_iter_mut()
-            .zip(&solution.mesh.faces)
-            .enumerate()
-            .with_max_len(1)
-            .map(|(f, (field, face))| {
-                let accuracy = CORRECTION_ACCURACY * solution.accuracy(face);
-                let gather = |view: &Viewpoint| {
-                    gatherers.lend(|g| solution.gather(g, view, &residual, accuracy, skip))
-                };
-                field.add(
-                    face,
-                    solution.blockers.weld_distance(),
-                    |p| all.at(face, f, p),
-                    |view, p| gather(view) + further.at(face, f, p),
-                )
-            })
-            .collect();
-        (squares.iter().sum::<f64>() / self.area()).sqrt()
     }
 
     fn area(&self) -> f64 {
@@ -488,7 +445,7 @@ impl<'a> IndirectField<'a> {
     pub fn gather(&self, gatherer: &mut Gatherer, view: &Viewpoint) -> Irradiance {
         let solution = &self.solution;
         let accuracy = REFERENCE_SHARE * solution.error;
-        solution.gather(gatherer, view, &solution.light, accuracy, 0.0)
+        solution.gather(gatherer, view, &solution.light, accuracy)
     }
 
     /// A gatherer for [`IndirectField::gather`].

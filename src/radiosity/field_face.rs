@@ -1,5 +1,10 @@
 //! The indirect light on one side of one face.
 
+mod division;
+mod points;
+
+pub(super) use points::{CellLink, Gathered, Point, Source, merged};
+
 use super::SolveFace;
 use super::locator::Locator;
 use super::nodes::NodalField;
@@ -25,31 +30,15 @@ const PROBED_SHARE: f64 = 0.08;
 /// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
 const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
 
-/// The squared error of quadratic interpolation that is expected to be left when an element is halved: a 64th where light is
-/// smooth, a quarter across a kink, and never less than gathers differ by. Fields of two rooms were off by 1.1 to 1.4 times
-/// their estimate with this share, by 1.3 to 1.5 times with an eighth.
-const HALVED_SHARE: f64 = 0.5;
-
-/// An element whose longest edge is shorter than this many pixels is not divided.
-const SMALLEST_EDGE_PX: f64 = 64.0;
-
 /// What is known of one element.
 #[derive(Clone, Copy, Debug, Default)]
 struct Knowledge {
-    /// Values at the midpoints of its edges, where gathered.
-    middles: [Option<Irradiance>; 3],
+    /// Points at the midpoints of its edges, where gathered.
+    middles: [Option<u32>; 3],
     /// Error found in its middle (mean square), once gathered there.
     centre: Option<f64>,
     /// What a coarser element told of it, until it is gathered.
     inherited: Option<Inherited>,
-}
-
-impl Inherited {
-    /// With this value at the middle of edge `k`.
-    fn with(mut self, k: usize, value: Irradiance) -> Self {
-        self.middles[k] = value;
-        self
-    }
 }
 
 impl Knowledge {
@@ -58,11 +47,6 @@ impl Knowledge {
         if self.middles.iter().all(Option::is_some) {
             self.inherited = None;
         }
-    }
-
-    /// The value at the middle of edge `k`, as far as one is known.
-    fn middle(&self, k: usize) -> Option<Irradiance> {
-        self.middles[k].or(self.inherited.map(|i| i.middles[k]))
     }
 }
 
@@ -75,64 +59,98 @@ struct Inherited {
     error: f64,
 }
 
+/// The one value of a small face.
+#[derive(Clone, Copy, Debug)]
+struct Uniform {
+    /// Mean of the points of the face.
+    value: Irradiance,
+    /// What these tell of the variance over the face, (W/m²)².
+    variance: f64,
+}
+
 /// Values on one side of a face.
 pub(super) struct FieldFace {
     /// Those of the solution until elements are divided: most faces never are.
     mesh: Arc<ReceiverMesh>,
     locator: Arc<Locator>,
-    values: Vec<Irradiance>,
-    /// Of each element; empty where the whole face has one value.
+    /// As long as the whole face has one value; nothing else is known then.
+    uniform: Option<Uniform>,
+    /// All that have been gathered.
+    points: Vec<Point>,
+    /// The point of each site.
+    sites: Vec<u32>,
+    /// Of each element.
     known: Vec<Knowledge>,
-    /// All values are the mean of the points of a small face.
-    is_uniform: bool,
-    /// What these tell of the variance over the face, (W/m²)².
-    variance: f64,
-    /// All points of the mesh, once elements have been divided.
-    points: Vec<GridPoint>,
-    /// Values at vertices and edge midpoints, by doubled grid coordinates.
-    gathered: HashMap<(i64, i64), Irradiance>,
+    /// All vertices of the mesh, once elements have been divided.
+    vertices: Vec<GridPoint>,
+    /// Points at vertices and edge midpoints that are on no border, by doubled grid coordinates.
+    gathered: HashMap<(i64, i64), u32>,
 }
 
 impl FieldFace {
-    /// Starts from what the solution has gathered on solve face number `f`.
-    pub(super) fn new(face: &SolveFace, f: usize, solution: &NodalField) -> Self {
-        let mesh = Arc::clone(&face.mesh);
-        let values = (0..mesh.site_vertices.len())
-            .map(|s| solution.at_site(f, s))
-            .collect();
-        let middles: Vec<_> = (0..mesh.elements.len())
-            .map(|e| solution.at_middles(f, e))
-            .collect();
+    /// Starts from what the solution has gathered on solve face number `f`: from where at each of its nodes `source` tells.
+    pub(super) fn new(
+        face: &SolveFace,
+        f: usize,
+        solution: &NodalField,
+        weld_distance: f64,
+        source: impl Fn(u32) -> Source,
+    ) -> Self {
         let mut field = Self {
+            mesh: Arc::clone(&face.mesh),
             locator: Arc::clone(&face.locator),
-            known: Vec::new(),
+            uniform: None,
             points: Vec::new(),
-            is_uniform: middles.iter().any(Option::is_none),
-            variance: solution.mean_and_variance(f).1,
-            mesh,
-            values,
+            sites: Vec::new(),
+            known: Vec::new(),
+            vertices: Vec::new(),
             gathered: HashMap::new(),
         };
-        if !field.is_uniform {
-            field.known = vec![Knowledge::default(); field.mesh.elements.len()];
-            field.remember(&middles);
+        if solution.is_uniform(f) {
+            let (value, variance) = solution.mean_and_variance(f);
+            field.uniform = Some(Uniform { value, variance });
+        } else {
+            field.take_over(face, f, solution, weld_distance, source);
         }
         field
     }
 
-    /// Takes over the values of sites and midpoints.
-    fn remember(&mut self, middles: &[Option<[Irradiance; 3]>]) {
-        for (s, &v) in self.mesh.site_vertices.iter().enumerate() {
-            if !self.mesh.is_limit[s] {
-                let g = self.mesh.vertices[v as usize];
-                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
+    /// Takes over the nodes at sites and midpoints.
+    fn take_over(
+        &mut self,
+        face: &SolveFace,
+        f: usize,
+        solution: &NodalField,
+        weld_distance: f64,
+        source: impl Fn(u32) -> Source,
+    ) {
+        let mesh = &face.mesh;
+        let first = solution.nodes[f].range.start as u32;
+        let nodes = solution.nodes[f].range.clone();
+        self.points = nodes
+            .map(|node| Point {
+                place: DVec2::ZERO,
+                value: solution.values[node],
+                source: source(node as u32),
+            })
+            .collect();
+        for s in 0..mesh.site_vertices.len() {
+            let node = solution.node_at_site(f, s).expect("a face with nodes");
+            self.points[(node - first) as usize].place = mesh.site_points[s];
+            self.sites.push(node - first);
+            if !mesh.is_limit[s] {
+                self.gathered.insert(self.site_key(s), node - first);
             }
         }
-        for (e, middles) in middles.iter().enumerate() {
-            self.known[e].middles = [0, 1, 2].map(|k| middles.map(|m| m[k]));
-            for k in 0..3 {
-                if let (Some(m), false) = (middles, self.mesh.is_barrier(e, k)) {
-                    self.gathered.insert(self.key(e, k), m[k]);
+        self.known = vec![Knowledge::default(); mesh.elements.len()];
+        for e in 0..mesh.elements.len() {
+            let nodes = solution.nodes_at_middles(f, e).expect("a face with nodes");
+            for (k, node) in nodes.into_iter().enumerate() {
+                let point = node - first;
+                self.known[e].middles[k] = Some(point);
+                self.points[point as usize].place = self.middle(e, k, weld_distance);
+                if !mesh.is_barrier(e, k) {
+                    self.gathered.insert(self.key(e, k), point);
                 }
             }
         }
@@ -147,10 +165,13 @@ impl FieldFace {
 
     /// Integral over the elements, linear between the corners, W.
     pub(super) fn power(&self) -> Irradiance {
+        if let Some(uniform) = self.uniform {
+            return uniform.value * self.area();
+        }
         let mut sum = Irradiance::ZERO;
-        for (e, sites) in self.mesh.sites.iter().enumerate() {
-            for &s in sites {
-                sum += self.values[s as usize] * (self.mesh.area(e) / 3.0);
+        for e in 0..self.mesh.elements.len() {
+            for value in self.corners(e) {
+                sum += value * (self.mesh.area(e) / 3.0);
             }
         }
         sum
@@ -158,10 +179,9 @@ impl FieldFace {
 
     /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
     pub(super) fn errors(&self) -> Vec<f64> {
-        if self.is_uniform {
-            let value = self.values.first().map_or(0.0, |v| v.0.mean_square());
-            let unseen = UNIFORM_VARIATION * UNIFORM_VARIATION * value;
-            return vec![self.area() * (self.variance + unseen)];
+        if let Some(uniform) = self.uniform {
+            let unseen = UNIFORM_VARIATION * UNIFORM_VARIATION * uniform.value.0.mean_square();
+            return vec![self.area() * (uniform.variance + unseen)];
         }
         (0..self.known.len()).map(|e| self.error(e)).collect()
     }
@@ -171,7 +191,7 @@ impl FieldFace {
         if let Some(inherited) = known.inherited {
             return self.mesh.area(e) * inherited.error;
         }
-        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let corners = self.corners(e);
         let mut square = 0.0_f64;
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
@@ -182,7 +202,7 @@ impl FieldFace {
                         Some(_) => PROBED_SHARE,
                         None => QUADRATIC_SHARE,
                     };
-                    share * share * (m - (a + b) * 0.5).0.mean_square()
+                    share * share * (self.value(m) - (a + b) * 0.5).0.mean_square()
                 }
             };
             square = square.max(part);
@@ -194,7 +214,7 @@ impl FieldFace {
     /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².
     pub(super) fn error_at(&self, p: DVec2) -> f64 {
         match self.locator.locate(&self.mesh, p) {
-            Some(_) if self.is_uniform => (self.errors()[0] / self.area()).sqrt(),
+            Some(_) if self.uniform.is_some() => (self.errors()[0] / self.area()).sqrt(),
             Some((e, _)) => (self.error(e) / self.mesh.area(e)).sqrt(),
             None => 0.0,
         }
@@ -206,18 +226,20 @@ impl FieldFace {
         face: &SolveFace,
         limit: f64,
         weld_distance: f64,
-        mut gather: impl FnMut(&Viewpoint) -> Irradiance,
+        mut gather: impl FnMut(&Viewpoint) -> Gathered,
     ) -> Result<usize, MeshError> {
         let mut count = 0;
         let mut ask = |p: DVec2| {
             count += 1;
             gather(&face.view(p))
         };
-        if self.is_uniform {
+        if self.uniform.is_some() {
             if self.errors().iter().any(|&e| e >= limit) {
-                self.is_uniform = false;
+                self.uniform = None;
                 self.known = vec![Knowledge::default(); self.mesh.elements.len()];
-                self.fill_sites(&mut ask);
+                self.sites = (0..self.mesh.site_vertices.len())
+                    .map(|s| self.fill_site(s, &mut ask))
+                    .collect();
             }
             return Ok(count);
         }
@@ -231,7 +253,7 @@ impl FieldFace {
             } else if self.known[e].centre.is_none() {
                 let middle = self.mesh.centre(e);
                 let third = 1.0 / 3.0;
-                let off = ask(middle) - self.interpolate(e, [third; 3]);
+                let off = ask(middle).value - self.interpolate(e, [third; 3]);
                 self.known[e].centre = Some(off.0.mean_square());
             } else {
                 divided.push(e);
@@ -243,85 +265,64 @@ impl FieldFace {
         Ok(count)
     }
 
-    fn fill_sites(&mut self, ask: &mut impl FnMut(DVec2) -> Irradiance) {
-        for s in 0..self.values.len() {
-            let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
-            let key = (2 * g.x, 2 * g.y);
-            self.values[s] = if self.mesh.is_limit[s] {
-                ask(self.mesh.site_points[s])
-            } else if let Some(&value) = self.gathered.get(&key) {
-                value
-            } else {
-                let value = ask(self.mesh.site_points[s]);
-                self.gathered.insert(key, value);
-                value
-            };
-        }
+    /// Gathers at `p`.
+    fn fill(&mut self, p: DVec2, ask: &mut impl FnMut(DVec2) -> Gathered) -> u32 {
+        let Gathered { value, source } = ask(p);
+        self.points.push(Point {
+            place: p,
+            value,
+            source,
+        });
+        self.points.len() as u32 - 1
     }
 
-    /// Adds `more(viewpoint, frame coordinates)` to every value, and `coarse(frame coordinates)` where the whole face has one
-    /// value; returns the integral of its square over the face.
+    /// The point of site `s`, gathered if need be; one on a border always.
+    fn fill_site(&mut self, s: usize, ask: &mut impl FnMut(DVec2) -> Gathered) -> u32 {
+        let p = self.mesh.site_points[s];
+        if self.mesh.is_limit[s] {
+            return self.fill(p, ask);
+        }
+        let key = self.site_key(s);
+        if let Some(&point) = self.gathered.get(&key) {
+            return point;
+        }
+        let point = self.fill(p, ask);
+        self.gathered.insert(key, point);
+        point
+    }
+
+    /// Adds `more(point)` to the value of every point, and `coarse(frame coordinates)` where the whole face has one value;
+    /// returns the integral of its square over the face.
     pub(super) fn add(
         &mut self,
         face: &SolveFace,
-        weld_distance: f64,
         coarse: impl Fn(DVec2) -> Irradiance,
-        mut more: impl FnMut(&Viewpoint, DVec2) -> Irradiance,
+        mut more: impl FnMut(&mut Point) -> Irradiance,
     ) -> f64 {
-        if self.is_uniform {
+        let area = self.area();
+        if let Some(uniform) = &mut self.uniform {
             let all = coarse(face.domain.frame.to_plane(face.middle_point));
-            self.values.iter_mut().for_each(|v| *v += all);
-            return self.area() * all.0.mean_square();
+            uniform.value += all;
+            return area * all.0.mean_square();
         }
-        self.gathered.clear();
-        let mut more = |p: DVec2| more(&face.view(p), p);
-        let mut added = Vec::with_capacity(self.values.len());
-        for s in 0..self.values.len() {
-            let amount = more(self.mesh.site_points[s]);
-            added.push(amount);
-            self.values[s] += amount;
-            if !self.mesh.is_limit[s] {
-                let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
-                self.gathered.insert((2 * g.x, 2 * g.y), self.values[s]);
-            }
-        }
-        for e in 0..self.known.len() {
-            let corners = self.mesh.sites[e].map(|s| added[s as usize]);
-            if let Some(inherited) = &mut self.known[e].inherited {
+        let mut add = |point: &mut Point| {
+            let amount = more(point);
+            point.value += amount;
+            amount
+        };
+        let added: Vec<Irradiance> = self.points.iter_mut().map(&mut add).collect();
+        let mut square = 0.0;
+        for (e, known) in self.known.iter_mut().enumerate() {
+            let corners = self.mesh.sites[e].map(|s| added[self.sites[s as usize] as usize]);
+            if let Some(inherited) = &mut known.inherited {
                 for k in 0..3 {
                     inherited.middles[k] += (corners[k] + corners[(k + 1) % 3]) * 0.5;
                 }
             }
-            for k in 0..3 {
-                let Some(old) = self.known[e].middles[k] else {
-                    continue;
-                };
-                let key = self.key(e, k);
-                let p = self.mesh.corners(e);
-                let middle = p[k].midpoint(p[(k + 1) % 3]);
-                let is_barrier = self.mesh.is_barrier(e, k);
-                let new = match self.gathered.get(&key) {
-                    Some(&value) if !is_barrier => value,
-                    _ if is_barrier => {
-                        let inside = self.mesh.inset(e, middle, weld_distance);
-                        old + more(inside)
-                    }
-                    _ => {
-                        let value = old + more(middle);
-                        self.gathered.insert(key, value);
-                        value
-                    }
-                };
-                self.known[e].middles[k] = Some(new);
-            }
+            let sum: f64 = corners.iter().map(|c| c.0.mean_square()).sum();
+            square += self.mesh.area(e) * sum / 3.0;
         }
-        (0..self.mesh.elements.len())
-            .map(|e| {
-                let square = |&s: &u32| added[s as usize].0.mean_square();
-                let sum: f64 = self.mesh.sites[e].iter().map(square).sum();
-                self.mesh.area(e) * sum / 3.0
-            })
-            .sum()
+        square
     }
 
     /// Gathers at the midpoints of element `e`; a neighbour across an ordinary edge shares the value.
@@ -329,33 +330,39 @@ impl FieldFace {
         &mut self,
         e: usize,
         weld_distance: f64,
-        ask: &mut impl FnMut(DVec2) -> Irradiance,
+        ask: &mut impl FnMut(DVec2) -> Gathered,
     ) {
         for k in 0..3 {
             if self.known[e].middles[k].is_some() {
                 continue;
             }
-            let p = self.mesh.corners(e);
-            let middle = p[k].midpoint(p[(k + 1) % 3]);
+            let point = self.fill(self.middle(e, k, weld_distance), ask);
+            self.known[e].middles[k] = Some(point);
             if self.mesh.is_barrier(e, k) {
-                let inside = self.mesh.inset(e, middle, weld_distance);
-                self.known[e].middles[k] = Some(ask(inside));
                 continue;
             }
-            let value = ask(middle);
-            self.gathered.insert(self.key(e, k), value);
-            self.known[e].middles[k] = Some(value);
+            self.gathered.insert(self.key(e, k), point);
             if let Some(other) = self.mesh.neighbours[e][k] {
                 let other = other as usize;
                 for j in 0..3 {
                     if self.mesh.neighbours[other][j] == Some(e as u32) {
-                        self.known[other].middles[j] = Some(value);
+                        self.known[other].middles[j] = Some(point);
                         self.known[other].settle();
                     }
                 }
             }
         }
         self.known[e].settle();
+    }
+
+    /// The midpoint of edge `k` of element `e`, on the element's side of a border.
+    fn middle(&self, e: usize, k: usize, weld_distance: f64) -> DVec2 {
+        let p = self.mesh.corners(e);
+        let middle = p[k].midpoint(p[(k + 1) % 3]);
+        match self.mesh.is_barrier(e, k) {
+            true => self.mesh.inset(e, middle, weld_distance),
+            false => middle,
+        }
     }
 
     /// Doubled grid coordinates of the midpoint of edge `k` of element `e`.
@@ -365,115 +372,35 @@ impl FieldFace {
         (a.x + b.x, a.y + b.y)
     }
 
-    /// Meshes anew with the edges of the given elements halved.
-    fn divide(
-        &mut self,
-        face: &SolveFace,
-        elements: &[usize],
-        weld_distance: f64,
-        ask: &mut impl FnMut(DVec2) -> Irradiance,
-    ) -> Result<(), MeshError> {
-        let grid = &face.domain.grid;
-        if self.points.is_empty() {
-            self.points.clone_from(&self.mesh.vertices);
-        }
-        let before = self.points.len();
-        for &e in elements {
-            let p = self.mesh.corners(e);
-            for k in 0..3 {
-                let (a, b) = (p[k], p[(k + 1) % 3]);
-                if a.distance(b) > SMALLEST_EDGE_PX * grid.pixel_size() {
-                    let g = grid.snap(a.midpoint(b));
-                    // Rounded to the grid it is, for all that matters, the point whose value is known.
-                    if let Some(&value) = self.gathered.get(&self.key(e, k)) {
-                        self.gathered.insert((2 * g.x, 2 * g.y), value);
-                    }
-                    self.points.push(g);
-                }
-            }
-        }
-        self.points.sort_unstable();
-        self.points.dedup();
-        if self.points.len() == before {
-            return Ok(());
-        }
-        let keys = |mesh: &ReceiverMesh, e: usize| {
-            let corners: [u32; 3] = mesh.elements[e];
-            corners.map(|v| mesh.vertices[v as usize])
-        };
-        let old: HashMap<[GridPoint; 3], Knowledge> = (0..self.known.len())
-            .map(|e| (keys(&self.mesh, e), self.known[e]))
-            .collect();
-        let mesh = face.domain.mesh(&[], &self.points)?;
-        let mut heirs: Vec<Option<Inherited>> = (0..mesh.elements.len())
-            .map(|e| match old.contains_key(&keys(&mesh, e)) {
-                true => None,
-                false => self.bequeath(&mesh, e, elements, weld_distance),
-            })
-            .collect();
-        join(&mut heirs, &mesh);
-        self.locator = Arc::new(Locator::new(&mesh));
-        self.mesh = mesh;
-        self.values = vec![Irradiance::ZERO; self.mesh.site_vertices.len()];
-        self.fill_sites(ask);
-        self.known = (0..self.mesh.elements.len())
-            .map(|e| {
-                let new = || {
-                    let gathered = |k| self.gathered.get(&self.key(e, k)).copied();
-                    let mut new = Knowledge {
-                        middles: [0, 1, 2].map(|k| match self.mesh.is_barrier(e, k) {
-                            true => None,
-                            false => gathered(k),
-                        }),
-                        centre: None,
-                        inherited: heirs[e],
-                    };
-                    new.settle();
-                    new
-                };
-                old.get(&keys(&self.mesh, e)).copied().unwrap_or_else(new)
-            })
-            .collect();
-        Ok(())
+    /// Doubled grid coordinates of site `s`.
+    fn site_key(&self, s: usize) -> (i64, i64) {
+        let g = self.mesh.vertices[self.mesh.site_vertices[s] as usize];
+        (2 * g.x, 2 * g.y)
     }
 
-    /// What this mesh knows of element `e` of a finer one, where it interpolates quadratically; `divided` are the elements
-    /// (ascending) that are halved there.
-    fn bequeath(
-        &self,
-        finer: &ReceiverMesh,
-        e: usize,
-        divided: &[usize],
-        weld_distance: f64,
-    ) -> Option<Inherited> {
-        let (parent, _) = self.locator.locate(&self.mesh, finer.centre(e))?;
-        let known = &self.known[parent];
-        if (0..3).any(|k| known.middle(k).is_none()) {
-            return None;
-        }
-        let share = match divided.binary_search(&parent) {
-            Ok(_) => HALVED_SHARE,
-            Err(_) => 1.0,
-        };
-        // The new element may reach beyond the old one that holds its centre, whose curve says nothing of what is there.
-        let p = finer.corners(e);
-        let at = |k: usize| {
-            let middle = finer.inset(e, p[k].midpoint(p[(k + 1) % 3]), weld_distance);
-            self.at(middle)
-        };
-        Some(Inherited {
-            middles: [0, 1, 2].map(at),
-            error: share * self.error(parent) / self.mesh.area(parent),
-        })
+    fn value(&self, point: u32) -> Irradiance {
+        self.points[point as usize].value
+    }
+
+    /// Values at the corners of element `e`.
+    fn corners(&self, e: usize) -> [Irradiance; 3] {
+        self.mesh.sites[e].map(|s| self.value(self.sites[s as usize]))
+    }
+
+    /// The value in the middle of edge `k` of element `e`, as far as one is known.
+    fn at_middle(&self, e: usize, k: usize) -> Option<Irradiance> {
+        let known = &self.known[e];
+        let inherited = || known.inherited.map(|i| i.middles[k]);
+        known.middles[k].map(|m| self.value(m)).or_else(inherited)
     }
 
     /// Quadratic interpolation over element `e`; linear along edges whose midpoint is not known.
     fn interpolate(&self, e: usize, b: [f64; 3]) -> Irradiance {
-        let corners = self.mesh.sites[e].map(|s| self.values[s as usize]);
+        let corners = self.corners(e);
         let mut sum = Irradiance::ZERO;
         for k in 0..3 {
             sum += corners[k] * b[k];
-            if let Some(m) = self.known.get(e).and_then(|known| known.middle(k)) {
+            if let Some(m) = self.at_middle(e, k) {
                 let bend = m - (corners[k] + corners[(k + 1) % 3]) * 0.5;
                 sum += bend * (4.0 * b[k] * b[(k + 1) % 3]);
             }
@@ -484,30 +411,10 @@ impl FieldFace {
 
     /// The field at frame coordinates `p`.
     pub(super) fn at(&self, p: DVec2) -> Irradiance {
-        match self.locator.locate(&self.mesh, p) {
-            Some((e, b)) => self.interpolate(e, b),
-            None => Irradiance::ZERO,
-        }
-    }
-}
-
-/// Gives neighbours that inherit different values for the edge between them the mean of both: the field has no jumps but on
-/// borders of the values.
-fn join(heirs: &mut [Option<Inherited>], mesh: &ReceiverMesh) {
-    for e in 0..heirs.len() {
-        for k in 0..3 {
-            let Some(f) = mesh.neighbours[e][k].map(|f| f as usize).filter(|&f| f > e) else {
-                continue;
-            };
-            let back = (0..3).find(|&j| mesh.neighbours[f][j] == Some(e as u32));
-            let (Some(j), false) = (back, mesh.is_barrier(e, k)) else {
-                continue;
-            };
-            if let (Some(a), Some(b)) = (heirs[e], heirs[f]) {
-                let mean = (a.middles[k] + b.middles[j]) * 0.5;
-                heirs[e] = Some(a.with(k, mean));
-                heirs[f] = Some(b.with(j, mean));
-            }
+        match (self.locator.locate(&self.mesh, p), self.uniform) {
+            (Some(_), Some(uniform)) => uniform.value,
+            (Some((e, b)), None) => self.interpolate(e, b),
+            (None, _) => Irradiance::ZERO,
         }
     }
 }

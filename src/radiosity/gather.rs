@@ -8,7 +8,7 @@
 
 use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
-use super::clusters::{Limits, Sources};
+use super::clusters::Sources;
 use super::kernel::{Basis, Corner, split};
 use super::sweep::{RAYS, Sweep, met};
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
@@ -42,8 +42,6 @@ pub(super) struct Oracle<'l> {
     pub(super) link: f64,
     /// A bit of surface that sends less than this may be judged by one ray.
     pub(super) ray: f64,
-    /// A face that sends less than this even in full view is left out.
-    pub(super) skip: f64,
     /// Rays for what they tell well enough.
     pub(super) sweep: Option<Sweep>,
 }
@@ -129,20 +127,17 @@ impl<'a> Gatherer<'a> {
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
         let (mesh, roundoff) = (self.mesh, self.blockers.roundoff());
-        let limits = Limits {
-            skip: oracle.skip,
-            sweep: oracle.sweep,
-        };
         let mut cut = std::mem::take(&mut self.cut);
-        mesh.clusters.visit(view, oracle.sources, limits, |f| {
-            let brightest = oracle.sources.brightest(mesh, f);
-            let arriving = mesh.faces[f].largest_form_factor(view, roundoff) * brightest;
-            let is_swept = |s: Sweep| s.is_enough(brightest, arriving);
-            if arriving > oracle.skip && !oracle.sweep.is_some_and(is_swept) {
-                cut.push(f);
-                self.is_cut[f] = true;
-            }
-        });
+        mesh.clusters
+            .visit(view, oracle.sources, oracle.sweep, |f| {
+                let brightest = oracle.sources.brightest(mesh, f);
+                let arriving = mesh.faces[f].largest_form_factor(view, roundoff) * brightest;
+                let is_swept = |s: Sweep| s.is_enough(brightest, arriving);
+                if arriving > 0.0 && !oracle.sweep.is_some_and(is_swept) {
+                    cut.push(f);
+                    self.is_cut[f] = true;
+                }
+            });
         for &f in &cut {
             self.side(view, oracle, f, sink);
         }
@@ -249,7 +244,6 @@ impl<'a> Gatherer<'a> {
             sources: &Sources::new(self.mesh, dark, 1.0),
             link: 0.0,
             ray: 0.0,
-            skip: 0.0,
             sweep: None,
         };
         let mut sum = 0.0;

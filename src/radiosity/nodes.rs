@@ -130,13 +130,11 @@ pub(super) struct NodalField<'t> {
 }
 
 impl NodalField<'_> {
-    /// At local site `s` of solve face `f`.
-    pub(super) fn at_site(&self, f: usize, s: usize) -> Irradiance {
-        let nodes = &self.nodes[f];
-        match &nodes.places {
-            Places::Quadratic { sites, .. } => self.values[sites[s] as usize],
-            Places::Elements(_) => self.values[nodes.range.start],
-            Places::Whole => self.mean_and_variance(f).0,
+    /// The node at local site `s` of solve face `f`; none when all sites of the face share one node.
+    pub(super) fn node_at_site(&self, f: usize, s: usize) -> Option<u32> {
+        match &self.nodes[f].places {
+            Places::Quadratic { sites, .. } => Some(sites[s]),
+            Places::Elements(_) | Places::Whole => None,
         }
     }
 
@@ -152,12 +150,17 @@ impl NodalField<'_> {
         (mean, squares / (values.len() as f64 - 1.0).max(1.0))
     }
 
-    /// At the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one node.
-    pub(super) fn at_middles(&self, f: usize, e: usize) -> Option<[Irradiance; 3]> {
+    /// The nodes at the midpoints of the edges of element `e` of solve face `f`; none when all sites of the face share one node.
+    pub(super) fn nodes_at_middles(&self, f: usize, e: usize) -> Option<[u32; 3]> {
         match &self.nodes[f].places {
-            Places::Quadratic { middles, .. } => Some(middles[e].map(|r| self.values[r as usize])),
-            _ => None,
+            Places::Quadratic { middles, .. } => Some(middles[e]),
+            Places::Elements(_) | Places::Whole => None,
         }
+    }
+
+    /// Whether all sites of solve face `f` share one value.
+    pub(super) fn is_uniform(&self, f: usize) -> bool {
+        !matches!(self.nodes[f].places, Places::Quadratic { .. })
     }
 
     /// At frame coordinates `p` of `face`, which is solve face `f`.

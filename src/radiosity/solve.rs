@@ -5,6 +5,7 @@
 //! onto the face's own cells: no power is lost between the nodes.
 
 use super::cells::{CellLight, FaceCells, FaceLight};
+use super::field_face::CellLink;
 use super::gather::Oracle;
 use super::held::Held;
 use super::nodes::{FaceNodes, NodalField};
@@ -124,6 +125,16 @@ impl Transport {
     /// Number of nodes.
     pub(super) fn node_count(&self) -> usize {
         self.system.len()
+    }
+
+    /// The links of a node.
+    pub(super) fn links(&self, node: u32) -> impl Iterator<Item = CellLink> + '_ {
+        let blocks = self.system.blocks();
+        self.system.row(node as usize).iter().map(move |link| {
+            let cell = link.cell as usize;
+            let f = blocks.partition_point(|b| b.cells.end <= cell);
+            CellLink::new(f, cell - blocks[f].cells.start, link.weights)
+        })
     }
 
     /// Solves for the indirect irradiance at the nodes, given in `light` what the cells send without it.

@@ -91,7 +91,6 @@ fn one_element_a_face_lights_the_cube() {
             sources: &Sources::new(&mesh, sent.clone(), 1.0),
             link: 0.0,
             ray: 0.0,
-            skip: 0.0,
             sweep: None,
         };
         let transport =

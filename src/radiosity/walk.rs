@@ -1,10 +1,11 @@
 //! How the cells of one face look from one viewpoint, and what they are worth there.
 
 use super::SolveFace;
-use super::cells::FaceCells;
+use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
 use super::kernel::{cell_corners, split};
 use crate::direct::form_factor_of_directions;
+use crate::geom::Plane;
 use crate::visibility::{Ball, Cone, Target, Viewpoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -97,6 +98,16 @@ impl Walk<'_> {
             form_factor: (cell.area * cosines / (PI * nearest * nearest)).min(1.0),
             spread: (cell.width_squared / (nearest * nearest)).min(1.0),
         })
+    }
+}
+
+/// Square of the width of a cell over its distance from `eye`, at most 1; it lies in `plane`.
+pub(super) fn spread(cell: &Cell, plane: &Plane, eye: DVec3) -> f64 {
+    let nearest = (cell.centre.distance(eye) - cell.radius).max(plane.distance(eye));
+    if nearest > 0.0 {
+        (cell.width_squared / (nearest * nearest)).min(1.0)
+    } else {
+        1.0
     }
 }
 

@@ -28,7 +28,7 @@ impl IndirectField<'_> {
         let (_, light) = residual(
             &solution.mesh,
             &mut trees,
-            solution.light.faces.clone(),
+            &solution.light.faces,
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );

@@ -1,6 +1,6 @@
 //! The field of one face against light that is known everywhere.
 
-use super::FieldFace;
+use super::{FieldFace, Gathered, Source};
 use crate::geom::{even_point, even_point_in};
 use crate::quantity::{Irradiance, Rgb};
 use crate::radiosity::nodes::{FaceNodes, NodalField};
@@ -67,11 +67,15 @@ fn a_field_around_a_peak_does_not_exceed_it() {
             nodes: &nodes,
             values: &values,
         };
-        let mut field = FieldFace::new(face, 0, &start);
+        let mut field = FieldFace::new(face, 0, &start, WELD_DISTANCE, Source::Node);
+        let gather = |view: &Viewpoint| Gathered {
+            value: light(view),
+            source: Source::Node(0),
+        };
         let share = [0.5, 0.1, 0.01][case as usize % 3];
         for _ in 0..8 {
             let most = field.errors().into_iter().fold(0.0, f64::max);
-            let bought = field.buy(face, share * most, WELD_DISTANCE, light);
+            let bought = field.buy(face, share * most, WELD_DISTANCE, gather);
             refined += bought.expect("a mesh");
             let brightest = (0..400)
                 .map(|i| field.at(points(i)).mean())

@@ -110,7 +110,6 @@ fn rays_and_cutting_are_as_good_as_they_say() {
         sources: &sources,
         link: error,
         ray: error,
-        skip: 0.0,
         sweep: (error > 0.0).then_some(Sweep { noise: error }),
     };
     let known = gathered(&mesh, &trees, &blockers, &of(0.0));

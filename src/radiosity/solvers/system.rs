@@ -104,6 +104,11 @@ impl System {
         self.rows.len()
     }
 
+    /// The links of a node.
+    pub(in crate::radiosity) fn row(&self, node: usize) -> &[Link] {
+        &self.rows[node]
+    }
+
     /// Number of links.
     pub(in crate::radiosity) fn link_count(&self) -> usize {
         self.rows.iter().map(Vec::len).sum()

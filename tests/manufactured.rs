@@ -21,6 +21,26 @@ const REFLECTANCE: f64 = 0.6;
 /// Permitted error of links and cells, W/m²: far below what the spacings under test leave.
 const LINK_ERROR: f64 = 5e-5;
 
+/// A solution that is as exact as its spacing allows.
+const REQUEST: Request = Request {
+    error: LINK_ERROR,
+    ambient: 1.0,
+    bounces: Bounces::All,
+    tolerance: 1e-8,
+    rays: None,
+    basis: Basis::Linear,
+    linking: Linking::Hierarchical,
+    solver: Solver::Hierarchical,
+};
+
+/// Elements as wide as the spacing, whatever the light: nothing is divided for this error (W/m², more than the chosen light
+/// varies by), and all are linked with all.
+const ELEMENTS: Request = Request {
+    error: 2.0,
+    linking: Linking::Leaves,
+    ..REQUEST
+};
+
 /// Nodes of the quadrature, on each piece in each direction.
 const NODES: usize = 4;
 
@@ -152,6 +172,10 @@ impl<'w> Case<'w> {
     }
 
     fn solve(&self, spacing: f64) -> IndirectField<'w> {
+        self.solve_as(spacing, REQUEST)
+    }
+
+    fn solve_as(&self, spacing: f64, request: Request) -> IndirectField<'w> {
         let scene = &self.world.scene;
         let domains = scene
             .faces
@@ -162,16 +186,6 @@ impl<'w> Case<'w> {
             })
             .collect();
         let mesh = SolveMesh::new(domains, spacing).expect("a cube can be meshed");
-        let request = Request {
-            error: LINK_ERROR,
-            ambient: 1.0,
-            bounces: Bounces::All,
-            tolerance: 1e-8,
-            rays: None,
-            basis: Basis::default(),
-            linking: Linking::default(),
-            solver: Solver::default(),
-        };
         IndirectField::solve(mesh, &self.world.blockers, request, |face, _, p| {
             self.direct(face, p)
         })
@@ -179,10 +193,10 @@ impl<'w> Case<'w> {
         .0
     }
 
-    /// RMS error of what is gathered, and of the field between its nodes, W/m².
-    fn errors(&self, field: &IndirectField, points: &[(DVec3, DVec3)]) -> [f64; 2] {
+    /// RMS error of what is gathered, of the field between its nodes, and of the light that elements tell, W/m².
+    fn errors(&self, field: &IndirectField, points: &[(DVec3, DVec3)]) -> [f64; 3] {
         let mut gatherer = field.gatherer();
-        let mut squares = [0.0; 2];
+        let mut squares = [0.0; 3];
         for &(x, n) in points {
             let place = x - self.world.scene.origin;
             let expected = known(x, n, &self.rule);
@@ -198,7 +212,9 @@ impl<'w> Case<'w> {
             let p = field.mesh().faces[f].domain.frame.to_plane(place);
             let between = field.at(f, p).mean();
             squares[0] += (gathered - expected).powi(2);
+            let told = field.told_at(f, p).expect("a wall has an area").mean();
             squares[1] += (between - expected).powi(2);
+            squares[2] += (told - chosen(x)).powi(2);
         }
         squares.map(|s| (s / points.len() as f64).sqrt())
     }
@@ -231,8 +247,8 @@ fn orders(nodes: usize, spacings: &[f64]) -> [f64; 4] {
     let mut errors = [const { Vec::new() }; 4];
     for &spacing in spacings {
         let field = case.solve(spacing);
-        let [gathered, between] = case.errors(&field, &away);
-        let [gathered_near, between_near] = case.errors(&field, &near);
+        let [gathered, between, _] = case.errors(&field, &away);
+        let [gathered_near, between_near, _] = case.errors(&field, &near);
         let all = [gathered, between, gathered_near, between_near];
         eprintln!(
             "spacing {spacing}: {} elements, gathered {gathered:.2e}, field {between:.2e}; near edges {gathered_near:.2e}, {between_near:.2e}",
@@ -260,6 +276,33 @@ fn the_error_shrinks_with_the_square_of_a_small_spacing() {
     assert!(gathered >= 1.8 && between >= 1.8, "{gathered}, {between}");
 }
 
+/// Order of the light that elements tell, away from edges.
+fn order_of_elements(basis: Basis) -> f64 {
+    let world = cube();
+    let case = Case {
+        world: &world,
+        rule: gauss(NODES),
+    };
+    let away = points(240, false);
+    let request = Request { basis, ..ELEMENTS };
+    let errors = [0.5, 0.25, 0.125].map(|spacing| {
+        let field = case.solve_as(spacing, request);
+        let [.., told] = case.errors(&field, &away);
+        eprintln!("{}, spacing {spacing}: told {told:.2e}", basis.name());
+        told
+    });
+    eprintln!("{}: order {:.2}", basis.name(), order(&errors));
+    order(&errors)
+}
+
+#[test]
+fn constant_elements_are_off_by_their_width_and_linear_ones_by_its_square() {
+    let constant = order_of_elements(Basis::Constant);
+    assert!((0.9..1.2).contains(&constant), "{constant}");
+    let linear = order_of_elements(Basis::Linear);
+    assert!((1.8..2.4).contains(&linear), "{linear}");
+}
+
 #[test]
 #[ignore = "a minute: a fine field"]
 fn refining_where_the_error_is_restores_the_order_at_edges() {
@@ -279,7 +322,7 @@ fn refining_where_the_error_is_restores_the_order_at_edges() {
                 .expect("a cube can be meshed");
             field.correct(|face, _, p| case.direct(face, p));
         }
-        let [_, between] = case.errors(&field, &near);
+        let [_, between, _] = case.errors(&field, &near);
         rows.push((field.gathers() as f64, between));
         eprintln!(
             "target {target:.0e}: {} gathers, {between:.2e} near edges",

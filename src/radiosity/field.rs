@@ -11,6 +11,7 @@
 
 mod correction;
 mod estimate;
+mod told;
 
 pub use estimate::SolutionError;
 

@@ -1,14 +1,15 @@
 //! Closed rooms in which every surface leaves 1 W/m² whatever its reflectance: no mesh, row or sweep may lose light.
 
-use crate::common::bake::{bake, surface_points, world};
+use crate::common::bake::{bake, settings, surface_points, world};
 use crate::common::obj_lite::ObjMesh;
 use crate::common::scenes::read_fixture;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use umbrage::lit_scene::LitScene;
-use umbrage::pipeline::Solution;
+use umbrage::pipeline::{Solution, light};
 use umbrage::quantity::Irradiance;
-use umbrage::radiosity::Bounces;
+use umbrage::radiosity::{Basis, Bounces};
 use umbrage::scene::FaceSide;
+use umbrage::settings::Settings;
 use umbrage::visibility::{Scratch, Viewpoint};
 
 /// Of B = M + ρE, relative.
@@ -62,12 +63,20 @@ fn shoelace(p: &[DVec2]) -> f64 {
 
 /// `error` is what the bake is asked for; where the light is the same everywhere it costs no accuracy.
 fn check(shape: &str, error: f64) {
+    check_basis(shape, error, Basis::default());
+}
+
+fn check_basis(shape: &str, error: f64, basis: Basis) {
     for (suffix, reflectance) in REFLECTANCES {
         let name = format!("{shape}-{suffix}");
         let mesh = read_fixture(&name);
         let footprints = Footprints::new(&mesh);
         let world = world(&name);
-        let solution = bake(&world, error, Bounces::All);
+        let settings = Settings {
+            basis,
+            ..settings(error, Bounces::All)
+        };
+        let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
         let seen = check_vertices(&name, &solution.lit_scene(), &footprints);
         // Everything was looked at but what stands under the boxes.
         let area: f64 = mesh.polygons.iter().map(|p| p.area()).sum();
@@ -150,6 +159,13 @@ fn l_room_is_an_even_furnace() {
 #[test]
 fn cornell_room_is_an_even_furnace() {
     check("furnace-cornell", 0.01);
+}
+
+#[test]
+fn rooms_are_even_furnaces_in_every_basis() {
+    for basis in Basis::ALL.into_iter().filter(|&b| b != Basis::default()) {
+        check_basis("furnace-l-room", 0.05, basis);
+    }
 }
 
 /// A point of a closed room sees the lamp or something that reflects, in every direction.

@@ -299,8 +299,10 @@ fn order_of_elements(basis: Basis) -> f64 {
 fn constant_elements_are_off_by_their_width_and_linear_ones_by_its_square() {
     let constant = order_of_elements(Basis::Constant);
     assert!((0.9..1.2).contains(&constant), "{constant}");
-    let linear = order_of_elements(Basis::Linear);
-    assert!((1.8..2.4).contains(&linear), "{linear}");
+    for basis in [Basis::Linear, Basis::Wavelet] {
+        let linear = order_of_elements(basis);
+        assert!((1.8..2.4).contains(&linear), "{}: {linear}", basis.name());
+    }
 }
 
 #[test]

@@ -155,6 +155,52 @@ fn the_hierarchy_is_as_good_as_its_links_are_asked_to_be() {
     }
 }
 
+#[test]
+fn wavelets_tell_the_same_by_fewer_links() {
+    for name in [
+        "l-room",
+        "furnace-cornell-r90",
+        "box-on-table",
+        "two-emitters",
+    ] {
+        let world = world(name);
+        let solution = bake(&world, 0.3, Bounces::All);
+        let asked = request(&solution, Solver::Gmres);
+        let of = |basis, linking, error| {
+            let request = Request {
+                basis,
+                linking,
+                error,
+                ..asked
+            };
+            let (field, report) = solve(&solution, request).expect("it has no limit");
+            assert!(report.is_settled, "{name}: {}", basis.name());
+            (readings(&solution, &field), report)
+        };
+        for error in [asked.error, 0.2 * asked.error] {
+            // Where nothing may be left out it is the same system in another basis.
+            let (all, dense) = of(Basis::Linear, Linking::Leaves, error);
+            let (same, _) = of(Basis::Wavelet, Linking::Leaves, error);
+            let off = difference(&same, &all) / largest(&all);
+            assert!(off <= 1e-5, "{name}: another basis is off by {off:e}");
+            let (_, linear) = of(Basis::Linear, Linking::Hierarchical, error);
+            let (found, report) = of(Basis::Wavelet, Linking::Hierarchical, error);
+            let off = rms(&found, &all);
+            let left_out = report.wavelets.expect("that is the basis");
+            eprintln!(
+                "{name}: {} links for {} of {}, {:.4} of the error; {left_out:?}",
+                report.links,
+                linear.links,
+                dense.links,
+                off / error
+            );
+            assert!(off <= error, "{name}: off by {off} for {error}");
+            assert!(report.links < linear.links, "{name}");
+            assert!(left_out.dropped_functions < left_out.functions, "{name}");
+        }
+    }
+}
+
 /// A closed room of which all surfaces reflect `rho` and one polygon shines with 1 W/(m² sr).
 fn closed(
     name: &str,
@@ -247,7 +293,11 @@ fn sphere_theory(solution: &Solution, rho: f64) -> f64 {
 
 #[test]
 fn the_inside_of_a_sphere_is_lit_evenly() {
-    for (basis, rho) in [(Basis::Linear, 0.5), (Basis::Constant, 0.8)] {
+    for (basis, rho) in [
+        (Basis::Linear, 0.5),
+        (Basis::Constant, 0.8),
+        (Basis::Wavelet, 0.8),
+    ] {
         let world = clean(&sphere(2, rho));
         let settings = Settings {
             basis,
@@ -352,7 +402,7 @@ fn threads_change_no_byte_of_any_solver() {
     for (solver, basis) in Solver::ALL
         .map(|s| (s, Basis::Linear))
         .into_iter()
-        .chain([(Solver::Hierarchical, Basis::Constant)])
+        .chain([Basis::Constant, Basis::Wavelet].map(|b| (Solver::Hierarchical, b)))
     {
         let bytes = |threads| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build();

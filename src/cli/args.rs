@@ -65,8 +65,9 @@ pub(super) struct SceneArgs {
         value_name = "hierarchical|gauss-seidel|progressive|gmres|lu|jacobi|sor"
     )]
     pub(super) solver: String,
-    /// What the surfaces know of the light that they reflect: linear or constant over each of their cells
-    #[arg(long, default_value = "linear", value_name = "linear|constant")]
+    /// What the surfaces know of the light that they reflect: linear or constant over each of their cells, or linear told by
+    /// wavelets, of which links leave out those that do not matter
+    #[arg(long, default_value = "linear", value_name = "linear|constant|wavelet")]
     pub(super) basis: String,
     /// Threads; all processors when left out
     #[arg(long, allow_negative_numbers = true)]

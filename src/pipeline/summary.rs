@@ -197,6 +197,13 @@ impl Summary {
                 "elements without them are as good at the error asked for",
             );
         }
+        if let Some(w) = &self.solve.wavelets {
+            let dropped = w.dropped_links;
+            say(
+                format!("{dropped} of {} links", dropped + self.solve.links),
+                "all wavelets that a point does without bring less than the error asked for permits one link to miss",
+            );
+        }
         let by_rays = solution.direct.looks_by_rays();
         if by_rays > 0 {
             say(

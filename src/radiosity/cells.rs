@@ -309,7 +309,7 @@ impl CellLight {
     /// What `basis` can tell of it.
     fn told_by(self, basis: Basis) -> Self {
         match basis {
-            Basis::Linear => self,
+            Basis::Linear | Basis::Wavelet => self,
             Basis::Constant => {
                 let mean = self.mean();
                 let rest = self.square - mean.0 * mean.0;

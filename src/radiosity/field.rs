@@ -340,7 +340,9 @@ impl<'a> IndirectField<'a> {
             area,
         };
         let faces = match request.basis {
-            Basis::Linear => solution.started(&transport.field(&solved.values), Source::Node),
+            Basis::Linear | Basis::Wavelet => {
+                solution.started(&transport.field(&solved.values), Source::Node)
+            }
             Basis::Constant => solution.gathered_at_nodes(),
         };
         let field = Self {

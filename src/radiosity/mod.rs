@@ -30,6 +30,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 mod walk;
+mod wavelet;
 
 pub use basis::Basis;
 pub use field::{IndirectField, Request, SolutionError};
@@ -40,3 +41,4 @@ pub use rows::check_size;
 pub use solve::{Bounces, Linking, SolveReport};
 pub use solve_mesh::{SolveFace, SolveMesh};
 pub use solvers::{Solver, TooManyUnknowns};
+pub use wavelet::Compression;

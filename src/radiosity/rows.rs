@@ -233,7 +233,7 @@ pub fn check_size(
         return Ok(());
     }
     check(match basis {
-        Basis::Linear => point_nodes(mesh, blockers).1.len(),
+        Basis::Linear | Basis::Wavelet => point_nodes(mesh, blockers).1.len(),
         Basis::Constant => mesh
             .faces
             .iter()

@@ -10,7 +10,8 @@ use super::gather::Oracle;
 use super::held::Held;
 use super::nodes::{FaceNodes, NodalField};
 use super::rows::Rows;
-use super::solvers::{self, Block, Corners, Leaf, Outcome, Parent, Problem, System};
+use super::solvers::{self, Block, Corners, Leaf, Link, Outcome, Parent, Problem, System};
+use super::wavelet::{Compression, Wavelets, left_out};
 use super::{Basis, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::form_factor::RADON;
 use crate::quantity::{Irradiance, Radiosity, Rgb};
@@ -50,6 +51,8 @@ pub struct SolveReport {
     pub shots: usize,
     /// Whether the iteration has come within what was permitted.
     pub is_settled: bool,
+    /// What was left out, in the basis of wavelets.
+    pub wavelets: Option<Compression>,
 }
 
 /// The cells that nodes are linked with.
@@ -85,7 +88,33 @@ pub(super) struct Transport {
     /// The cells that it links.
     trees: Vec<FaceCells>,
     nodes: Vec<FaceNodes>,
+    /// In the basis of wavelets, those that it links.
+    wavelets: Option<Linked>,
     system: System,
+}
+
+/// Wavelets that any node is linked with.
+struct Linked {
+    /// By number.
+    is_linked: Vec<bool>,
+    /// Links that were left out.
+    dropped: usize,
+}
+
+/// All rows in the basis of wavelets, and what is left of these.
+fn compressed(wavelets: &Wavelets, links: Vec<Vec<Link>>) -> (Vec<Vec<Link>>, Linked) {
+    let rows: Vec<(Vec<Link>, usize)> = links
+        .into_par_iter()
+        .map(|row| wavelets.compressed(row))
+        .collect();
+    let mut linked = Linked {
+        is_linked: vec![false; wavelets.count()],
+        dropped: rows.iter().map(|row| row.1).sum(),
+    };
+    for link in rows.iter().flat_map(|row| &row.0) {
+        linked.is_linked[link.cell as usize] = true;
+    }
+    (rows.into_iter().map(|row| row.0).collect(), linked)
 }
 
 impl Transport {
@@ -108,8 +137,17 @@ impl Transport {
             first_cell: &first_cell,
         };
         let (nodes, links) = match basis {
-            Basis::Linear => rows.of_points(rays),
+            Basis::Linear | Basis::Wavelet => rows.of_points(rays),
             Basis::Constant => rows.of_elements(rays),
+        };
+        let (links, wavelets) = match basis {
+            Basis::Wavelet => {
+                let (sources, permitted) = (oracle.sources, oracle.link);
+                let wavelets = Wavelets::new(mesh, trees, &first_cell, sources, permitted);
+                let (links, linked) = compressed(&wavelets, links);
+                (links, Some(linked))
+            }
+            Basis::Linear | Basis::Constant => (links, None),
         };
         let blocks = (0..mesh.faces.len())
             .into_par_iter()
@@ -118,6 +156,7 @@ impl Transport {
         Self {
             trees: trees.to_vec(),
             nodes,
+            wavelets,
             system: System::new(basis, blocks, links),
         }
     }
@@ -158,13 +197,18 @@ impl Transport {
             Bounces::Count(n) => solvers::bounces(&problem, n.saturating_sub(1) as usize),
             Bounces::All => solvers::solve(&problem, method.solver)?,
         };
-        let (sent, largest) = self.system.light_of(&outcome.x, Some(&direct));
-        let values = self.system.gather_all(&sent);
+        let (told, largest) = self.system.light_of(&outcome.x, Some(&direct));
+        let values = self.system.gather_all(&told);
         let residual = problem.change(&values, &outcome.x, largest);
+        let wavelets = self.wavelets.as_ref();
+        let wavelets = wavelets.map(|w| left_out(&self.trees, &told, &w.is_linked, w.dropped));
         Ok(Solved {
-            report: self.report(mesh, outcome, residual),
+            report: SolveReport {
+                wavelets,
+                ..self.report(mesh, outcome, residual)
+            },
             values: values.into_iter().map(irradiance).collect(),
-            sent,
+            sent: self.system.sent(told),
         })
     }
 
@@ -192,6 +236,7 @@ impl Transport {
             residual,
             shots: outcome.shots,
             is_settled: outcome.is_settled && residual.is_finite(),
+            wavelets: None,
         }
     }
 
@@ -221,7 +266,8 @@ impl Transport {
 
     /// Indirect irradiance at all nodes from what the cells send.
     pub(super) fn gather_all(&self, light: &[FaceLight]) -> Vec<Irradiance> {
-        let values = self.system.gather_all(&self.corners(light));
+        let told = self.system.told(&self.corners(light));
+        let values = self.system.gather_all(&told);
         values.into_iter().map(irradiance).collect()
     }
 }

@@ -57,6 +57,18 @@ pub(super) fn mesh_of(scene: &Scene, rho: f64, spacing: f64) -> SolveMesh {
     SolveMesh::new(sides.collect(), spacing).expect("a clean scene can be meshed")
 }
 
+/// Random numbers 0…1 (Steele, Lea & Flood 2014, SplitMix64).
+pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
 /// Wider than the faces of the cube: each is one element.
 const WIDE: f64 = 2.0;
 

@@ -68,18 +68,26 @@ impl SolveMethod {
     }
 }
 
-/// Every solver on the same links, the program's own first, and at last that one with constant cells.
-pub const SOLVE_METHODS: [SolveMethod; Solver::ALL.len() + 1] = {
+/// Every solver on the same links, the program's own first, and at last that one with cells in the other bases.
+pub const SOLVE_METHODS: [SolveMethod; Solver::ALL.len() + 2] = {
+    let own = SolveMethod::with(Solver::ALL[0]);
     let constant_cells = SolveMethod {
         name: "constant-cells",
         cells: radiosity::Basis::Constant,
-        ..SolveMethod::with(Solver::ALL[0])
+        ..own
     };
-    let mut all = [constant_cells; Solver::ALL.len() + 1];
+    let wavelet_cells = SolveMethod {
+        name: "wavelet-cells",
+        cells: radiosity::Basis::Wavelet,
+        ..own
+    };
+    let mut all = [own; Solver::ALL.len() + 2];
     let mut i = 0;
     while i < Solver::ALL.len() {
         all[i] = SolveMethod::with(Solver::ALL[i]);
         i += 1;
     }
+    all[i] = constant_cells;
+    all[i + 1] = wavelet_cells;
     all
 };

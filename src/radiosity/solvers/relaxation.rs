@@ -17,7 +17,7 @@ pub(super) const CUSTOMARY: f64 = 1.1;
 /// The light in the middle of a run.
 pub(super) struct Sweeps<'p> {
     problem: &'p Problem<'p>,
-    /// What the cells send now.
+    /// What links take from the cells now.
     light: Vec<Corners>,
     factor: f64,
 }
@@ -27,7 +27,7 @@ impl<'p> Sweeps<'p> {
     pub(super) fn new(problem: &'p Problem, factor: f64) -> Self {
         Self {
             problem,
-            light: problem.direct.to_vec(),
+            light: problem.system.told(problem.direct),
             factor,
         }
     }

@@ -141,7 +141,7 @@ impl<'p> Unsent<'p> {
         for (b, block) in system.blocks.iter().enumerate() {
             let mut light = vec![[DVec3::ZERO; 3]; block.cells.len()];
             let direct = (!self.is_direct_sent[b]).then_some(self.problem.direct);
-            system.send(b, &self.arrived, direct, &mut light);
+            system.reflect(b, &self.arrived, direct, &mut light);
             for leaf in &block.leaves {
                 let [a, b, c] = light[leaf.cell as usize];
                 unsent += (a + b + c) * (leaf.area / 3.0);

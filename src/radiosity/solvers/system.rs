@@ -1,9 +1,11 @@
 //! The linear system `H = h + T H`: nodes that gather from cells, cells that send what the nodes receive.
 //!
 //! `T` is *reflect* (from the nodes of a face to its smallest cells), *pull* (from those to the larger ones, by the two-scale
-//! relation of the basis) and *gather* (from cells of all sizes to the nodes of other faces). Nothing here knows geometry.
+//! relation of the basis) and *gather* (from cells of all sizes, or from wavelets, to the nodes of other faces). Nothing here
+//! knows geometry.
 
 use super::super::Basis;
+use super::super::wavelet::{details, halves, projected};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -176,9 +178,22 @@ impl System {
             .collect()
     }
 
-    /// Writes to `light` (the cells of block `b` alone) what they send when `x` arrives at all nodes, on top of `direct`;
-    /// returns its largest absolute value.
+    /// Writes to `light` (the cells of block `b` alone) what links take from them when `x` arrives at all nodes, on top of
+    /// `direct`; returns the largest absolute value that they send.
     pub(super) fn send(
+        &self,
+        b: usize,
+        x: &[DVec3],
+        direct: Option<&[Corners]>,
+        light: &mut [Corners],
+    ) -> f64 {
+        let largest = self.reflect(b, x, direct, light);
+        self.pull(b, light);
+        largest
+    }
+
+    /// The same for the smallest cells alone, and what these send themselves.
+    pub(super) fn reflect(
         &self,
         b: usize,
         x: &[DVec3],
@@ -201,24 +216,54 @@ impl System {
             }
             light[cell] = corners;
         }
-        self.pull(b, light);
         largest
     }
 
-    /// Gives the larger cells of block `b` what its smallest ones send.
-    pub(super) fn pull(&self, b: usize, light: &mut [Corners]) {
+    /// Gives the larger cells of block `b` what its smallest ones send; wavelets take the place of the smaller ones.
+    fn pull(&self, b: usize, light: &mut [Corners]) {
         for parent in &self.blocks[b].parents {
             let child = parent.child as usize;
             let [left, right] = [light[child], light[child + 1]];
             light[parent.cell as usize] = match self.basis {
-                Basis::Linear => projected(left, right, parent.order),
+                Basis::Linear | Basis::Wavelet => projected(left, right, parent.order),
                 // The halves have equal areas.
                 Basis::Constant => [(left[0] + right[0]) * 0.5; 3],
             };
+            if self.basis == Basis::Wavelet {
+                light[child] = details(left, right);
+                light[child + 1] = [DVec3::ZERO; 3];
+            }
         }
     }
 
-    /// What all cells send when `x` arrives at the nodes, on top of `direct`; and its largest absolute value.
+    /// What links take light from when all cells send `light`: the same, but for the basis of wavelets.
+    pub(in crate::radiosity) fn told(&self, light: &[Corners]) -> Vec<Corners> {
+        let mut told = light.to_vec();
+        if self.basis == Basis::Wavelet {
+            for (b, block) in self.blocks.iter().enumerate() {
+                self.pull(b, &mut told[block.cells.clone()]);
+            }
+        }
+        told
+    }
+
+    /// What cells send, from what links take light from.
+    pub(in crate::radiosity) fn sent(&self, mut told: Vec<Corners>) -> Vec<Corners> {
+        if self.basis == Basis::Wavelet {
+            for block in &self.blocks {
+                let light = &mut told[block.cells.clone()];
+                for parent in block.parents.iter().rev() {
+                    let (whole, child) = (light[parent.cell as usize], parent.child as usize);
+                    let [left, right] = halves(whole, light[child], parent.order);
+                    (light[child], light[child + 1]) = (left, right);
+                }
+            }
+        }
+        told
+    }
+
+    /// What links take from all cells when `x` arrives at the nodes, on top of `direct`; and the largest absolute value that
+    /// cells send.
     pub(in crate::radiosity) fn light_of(
         &self,
         x: &[DVec3],
@@ -265,22 +310,3 @@ fn gathered(links: &[Link], first: usize, light: &[Corners]) -> DVec3 {
 /// Row sums are right to 10⁻⁷ (round-off of cutting): what they say of light that is lost more slowly than ten times that
 /// is noise.
 pub(super) const LARGEST_CONTRACTION: f64 = 1.0 - 1e-6;
-
-/// The linear function over a cell that is nearest to those over its halves, in the mean square.
-///
-/// Over `(a, m, c)` the basis function of `a` is that of `a` and half that of `m`; likewise on the other side. The mass matrix
-/// of the linear basis is `(1 + δ)/12`, its inverse `12 δ − 3`.
-fn projected(left: Corners, right: Corners, order: [u8; 3]) -> Corners {
-    let moments = |t: Corners| {
-        let sum = t[0] + t[1] + t[2];
-        t.map(|x| (x + sum) * (1.0 / 12.0))
-    };
-    let ([la, lm, lc], [rm, rb, rc]) = (moments(left), moments(right));
-    let halved = [la + (lm + rm) * 0.5, rb + (lm + rm) * 0.5, lc + rc].map(|m| m * 0.5);
-    let sum = halved[0] + halved[1] + halved[2];
-    let mut corners = [DVec3::ZERO; 3];
-    for (k, m) in order.into_iter().zip(halved) {
-        corners[k as usize] = m * 12.0 - sum * 3.0;
-    }
-    corners
-}

@@ -3,6 +3,7 @@
 use super::system::{Block, Leaf, Link, System};
 use super::{Corners, Outcome, Problem, Solver, TooManyUnknowns, shooting, solve};
 use crate::radiosity::Basis;
+use crate::radiosity::tests::random;
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 
@@ -50,18 +51,6 @@ fn solved(system: &System, direct: &[Corners], tolerance: f64, solver: Solver) -
         tolerance,
     };
     solve(&problem, solver).expect("a small system")
-}
-
-/// Random numbers 0…1 (Steele, Lea & Flood 2014, SplitMix64).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 /// The inside of a sphere cut into `n` uneven parts: form factors are areas over the whole.

@@ -52,7 +52,10 @@ pub const MEASURE_SLACK: f64 = 0.05;
 /// So many times the points at which a mesh is first measured tell whether it has to be better.
 const MORE_POINTS: u32 = 4;
 
-/// No part is asked for less than this share of what it was asked for before: half in squares.
+/// Share of the error asked for that is aimed at once it has been missed.
+const AIM_AGAIN: f64 = 0.9;
+
+/// A part is asked for no less than this share of what it is: half in squares. A bright spot or two may have made it so much.
 const LEAST_STEP: f64 = 0.7;
 
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
@@ -108,20 +111,21 @@ impl Aim {
         }
     }
 
-    /// Asks for more where a part was found to be off by more than its share, and is not expected to be by now (both relative to
-    /// the mean).
+    /// Asks for as much more as the measured error is too large, of the parts that were found to be off by more than their share:
+    /// of each in proportion to that. The estimates then fall as the errors have to; they are `expected` to be what they are by now.
     fn ask_more(&mut self, error: f64, measured: &Measured, expected: Expected) {
-        let more = |share: f64, found: f64, expected: f64, allowed: f64| {
-            if found > allowed * error {
-                share * (expected / found).clamp(LEAST_STEP, 1.0)
-            } else {
-                share
-            }
+        let found = [measured.relative_rms_mesh, measured.relative_rms_field];
+        let allowed = [self.most_display, self.most_field].map(|share| share * error);
+        let excess = [0, 1].map(|i| (found[i].powi(2) - allowed[i].powi(2)).max(0.0));
+        let over = measured.relative_rms.powi(2) - (AIM_AGAIN * error).powi(2);
+        let all = excess[0] + excess[1];
+        // What is off without being in either part is not known from here: a little less of both.
+        let shrink = |i: usize| match all > 0.0 {
+            true => (1.0 - excess[i] * (over / all).min(1.0) / found[i].powi(2)).sqrt(),
+            false => AIM_AGAIN,
         };
-        let mesh = measured.relative_rms_mesh;
-        self.display = more(self.display, mesh, expected.mesh, self.most_display);
-        let field = measured.relative_rms_field;
-        self.field = more(self.field, field, expected.field, self.most_field);
+        let more = |i: usize, expected: f64| expected / error * shrink(i).max(LEAST_STEP);
+        (self.display, self.field) = (more(0, expected.mesh), more(1, expected.field));
     }
 }
 

@@ -11,26 +11,29 @@
 
 mod correction;
 mod estimate;
+mod room;
+mod shot;
 mod told;
 
 pub use estimate::SolutionError;
+
+use room::{Room, Shot, held};
 
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::clusters::Sources;
 use super::field_face::{CellLink, FieldFace, Gathered, Source, merged};
 use super::gather::{Gatherers, Oracle};
-use super::held::{Held, looks_into_gap};
+use super::held::Held;
 use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
-use super::solve_mesh::SPREAD_POINTS;
 use super::sweep::Sweep;
 use super::{
     Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
 };
 use crate::mesh::MeshError;
 use crate::quantity::{Irradiance, Radiosity};
-use crate::scene::{MINOR_SHARE, Size};
+use crate::scene::Size;
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -55,15 +58,6 @@ const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 /// The indirect light on a whole face departs from a linear function by about this share of its mean, and ranges over as
 /// much: all that is known before it is solved for.
 const AMBIENT_SHARE: f64 = 0.15;
-
-/// Rays from each point of a small face where faces are many; from the largest of them, which are minor, and from the
-/// smallest. Evenly spread, four times 128 are right to about a per cent.
-const MOST_SMALL_RAYS: f64 = 128.0;
-const FEWEST_SMALL_RAYS: f64 = 16.0;
-
-/// The mistakes of `n` even rays fall as `n^(−3/4)`, and those of faces add in squares, weighed by area: so many rays are best
-/// spent as this power of the area.
-const SMALL_RAYS_EXPONENT: f64 = 0.4;
 
 /// What is asked of the indirect light.
 #[derive(Clone, Copy, Debug)]
@@ -241,12 +235,6 @@ impl Coarse<'_> {
     }
 }
 
-/// Rays from each point of a small face that makes up this share of all faces.
-fn small_rays(share: f64) -> u32 {
-    let rays = MOST_SMALL_RAYS * (share / MINOR_SHARE).powf(SMALL_RAYS_EXPONENT);
-    rays.clamp(FEWEST_SMALL_RAYS, MOST_SMALL_RAYS) as u32
-}
-
 fn follow_limits(mesh: &SolveMesh, error: f64) -> FollowLimits {
     FollowLimits {
         error,
@@ -295,49 +283,33 @@ impl<'a> IndirectField<'a> {
             .par_iter()
             .map(|f| FaceCells::new(f, mesh.spacing, request.basis))
             .collect();
-        let limits = follow_limits(&mesh, request.error);
-        let light = follow_all(&mut trees, &mesh.faces, limits, |f, p| {
+        let held = held(&mesh, &trees, blockers, request.bounces);
+        let sent = |f: usize, p: DVec2| {
             let face = &mesh.faces[f];
             Radiosity(face.reflectance_at(p) * direct(face, f, p).0)
-        });
-        // Whatever may come on top of the light, no cell that has children is good enough for leaves.
-        let (accuracy, ambient) = match request.linking {
-            Linking::Hierarchical => (error, AMBIENT_SHARE * request.ambient),
-            Linking::Leaves => (0.0, 1.0),
         };
-        let mut sources = Sources::new(&mesh, light, ambient);
-        let oracle = oracle(&mesh, &sources, accuracy, accuracy / loss);
-        let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
-        let mut transport =
-            Transport::new(&mesh, &trees, blockers, &oracle, request.basis, |face| {
-                let small = (is_crowded && face.is_small).then(|| small_rays(face.area / area));
-                let points = if face.is_small { SPREAD_POINTS } else { 1 };
-                request.rays.map(|n| n / points).or(small)
-            });
-        // Only corrections bring back what is held.
-        let is_corrected = request.bounces == Bounces::All;
-        let held: Vec<Held> = trees
-            .par_iter()
-            .zip(&mesh.faces)
-            .map(|(tree, face)| {
-                Held::new(tree, |cell| {
-                    is_corrected && looks_into_gap(face, cell, blockers)
-                })
-            })
-            .collect();
-        for (f, held) in held.iter().enumerate() {
-            transport.hold(f, held);
-        }
-        let solved = transport.solve(&mesh, &sources.faces, request.method())?;
-        transport.take_over(&solved, &mut sources.faces);
+        let room = Room {
+            mesh: &mesh,
+            blockers,
+            held: &held,
+            request,
+        };
+        let Shot {
+            transport,
+            light,
+            solved,
+        } = match room.is_shot_at() {
+            true => room.shoot(&mut trees, sent),
+            false => room.solve(&mut trees, sent)?,
+        };
         let solution = Coarse {
-            light: Sources::new(&mesh, sources.faces, 0.0),
+            area: mesh.area(),
+            light: Sources::new(&mesh, light, 0.0),
             mesh,
             trees,
             blockers,
             error,
             loss,
-            area,
         };
         let faces = match request.basis {
             Basis::Linear | Basis::Wavelet => {

@@ -10,7 +10,7 @@ use super::gather::Oracle;
 use super::held::Held;
 use super::nodes::{FaceNodes, NodalField};
 use super::rows::Rows;
-use super::solvers::{self, Block, Corners, Leaf, Link, Outcome, Parent, Problem, System};
+use super::solvers::{self, Block, Corners, Leaf, Link, Outcome, Parent, Problem, System, Until};
 use super::wavelet::{Compression, Wavelets, left_out};
 use super::{Basis, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::form_factor::RADON;
@@ -197,19 +197,45 @@ impl Transport {
             Bounces::Count(n) => solvers::bounces(&problem, n.saturating_sub(1) as usize),
             Bounces::All => solvers::solve(&problem, method.solver)?,
         };
-        let (told, largest) = self.system.light_of(&outcome.x, Some(&direct));
+        Ok(self.solved(mesh, &problem, outcome))
+    }
+
+    /// Shoots light on top of what has `arrived` at the nodes; and what they have not received yet, on average (W/m², the
+    /// largest channel).
+    pub(super) fn shoot(
+        &self,
+        mesh: &SolveMesh,
+        light: &[FaceLight],
+        tolerance: f64,
+        arrived: Option<&[Irradiance]>,
+        until: Until,
+    ) -> (Solved, f64) {
+        let direct = self.corners(light);
+        let problem = Problem {
+            system: &self.system,
+            direct: &direct,
+            tolerance,
+        };
+        let arrived = arrived.map(|x| x.iter().map(|e| e.0.0).collect());
+        let (outcome, left) = solvers::shoot(&problem, arrived, until);
+        let left = left.abs().max_element();
+        (self.solved(mesh, &problem, outcome), left)
+    }
+
+    fn solved(&self, mesh: &SolveMesh, problem: &Problem, outcome: Outcome) -> Solved {
+        let (told, largest) = self.system.light_of(&outcome.x, Some(problem.direct));
         let values = self.system.gather_all(&told);
         let residual = problem.change(&values, &outcome.x, largest);
         let wavelets = self.wavelets.as_ref();
         let wavelets = wavelets.map(|w| left_out(&self.trees, &told, &w.is_linked, w.dropped));
-        Ok(Solved {
+        Solved {
             report: SolveReport {
                 wavelets,
                 ..self.report(mesh, outcome, residual)
             },
             values: values.into_iter().map(irradiance).collect(),
             sent: self.system.sent(told),
-        })
+        }
     }
 
     /// Makes `light` what the cells send in the end; the cells may have got children since they were linked, which are left

@@ -68,7 +68,8 @@ impl SolveMethod {
     }
 }
 
-/// Every solver on the same links, the program's own first, and at last that one with cells in the other bases.
+/// Every solver, the program's own first, all on the same links but for shooting, which refines its own; and at last the
+/// first one with cells in the other bases.
 pub const SOLVE_METHODS: [SolveMethod; Solver::ALL.len() + 2] = {
     let own = SolveMethod::with(Solver::ALL[0]);
     let constant_cells = SolveMethod {

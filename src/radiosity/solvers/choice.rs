@@ -1,6 +1,7 @@
 //! Which solver for which scene.
 
 use super::relaxation::{CUSTOMARY, MAX_SWEEPS, NONE, Sweeps, sweeps_to_come};
+use super::shooting::Until;
 use super::system::LARGEST_CONTRACTION;
 use super::{
     Outcome, Problem, Solver, TooManyUnknowns, dense, gmres, jacobi, relaxation, shooting,
@@ -27,7 +28,7 @@ pub(in crate::radiosity) fn solve(
         Solver::Jacobi => jacobi::solve(problem),
         Solver::GaussSeidel => relaxation::solve(problem, dark(solver), NONE),
         Solver::Sor => relaxation::solve(problem, dark(solver), CUSTOMARY),
-        Solver::Progressive => shooting::solve(problem, None).0,
+        Solver::Progressive => shooting::solve(problem, None, Until::Settled).0,
         Solver::Gmres => gmres::solve(problem, dark(solver)),
         Solver::Lu => dense::solve(problem)?,
     };

@@ -25,6 +25,7 @@ pub(super) use choice::solve;
 pub use dense::TooManyUnknowns;
 pub(super) use dense::check;
 pub(super) use jacobi::bounces;
+pub(super) use shooting::{Until, solve as shoot};
 pub(super) use system::{Block, Corners, Leaf, Link, Parent, System};
 
 use crate::bad_input::BadInput;

@@ -1,6 +1,9 @@
 //! Progressive refinement (Cohen, Chen, Wallace & Greenberg 1988), a relaxation after Southwell (1940): the face with the
 //! most power that has not been sent sends it along all its links, and the faces that it reaches have so much more to send.
 //!
+//! Links may become finer while light is shot ([`super::super::field`] has them follow it): what has arrived stays, and
+//! what the finer links find out about it is unsent.
+//!
 //! The first shots bring most of the light. For a preview after some of them, the *ambient* estimate stands for the rest:
 //! what is unsent, spread evenly over all faces, and all its further bounces.
 
@@ -12,14 +15,38 @@ use glam::DVec3;
 /// Shots at most: so many for each face, as many as sweeps of the other methods.
 const MOST_ROUNDS: usize = MAX_SWEEPS;
 
-/// Sends light until what is unsent is below the tolerance, or `most` times; and the ambient estimate of what is left then,
-/// which is not part of the outcome (irradiance at all nodes, W/m²).
-pub(super) fn solve(problem: &Problem, most: Option<usize>) -> (Outcome, DVec3) {
+/// When enough has been sent.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::radiosity) enum Until {
+    /// What is unsent is below the tolerance.
+    Settled,
+    /// What nodes have not received yet is estimated below this on average, W/m² (any channel).
+    Ambient(f64),
+    /// After so many shots.
+    #[cfg(test)]
+    Shots(usize),
+}
+
+/// Sends light until there is enough of it, from darkness or from what has `arrived` at the nodes by other links; and the
+/// ambient estimate of what is left then, which is not part of the outcome (irradiance at all nodes, W/m²).
+pub(in crate::radiosity) fn solve(
+    problem: &Problem,
+    arrived: Option<Vec<DVec3>>,
+    until: Until,
+) -> (Outcome, DVec3) {
     let mut state = Unsent::new(problem);
     let mut outcome = Outcome::dark(problem, Solver::Progressive);
+    if let Some(mut x) = arrived {
+        state.resume(&mut x);
+        outcome.x = x;
+    }
     let goal = problem.goal();
     let faces = problem.system.blocks.len();
-    let most = most.unwrap_or(faces.saturating_mul(MOST_ROUNDS));
+    let most = match until {
+        #[cfg(test)]
+        Until::Shots(most) => most,
+        _ => faces.saturating_mul(MOST_ROUNDS),
+    };
     while outcome.shots < most {
         let Some(b) = state.brightest() else {
             outcome.is_settled = true;
@@ -31,8 +58,12 @@ pub(super) fn solve(problem: &Problem, most: Option<usize>) -> (Outcome, DVec3) 
         if outcome.shots.is_multiple_of(faces) {
             let left = state.left(&outcome.x);
             outcome.residuals.push(left);
-            if left <= goal && state.is_all_direct_sent() {
-                outcome.is_settled = true;
+            outcome.is_settled = left <= goal && state.is_all_direct_sent();
+            let is_enough = match until {
+                Until::Ambient(limit) => state.ambient().abs().max_element() <= limit,
+                _ => false,
+            };
+            if outcome.is_settled || is_enough {
                 break;
             }
         }
@@ -82,6 +113,21 @@ impl<'p> Unsent<'p> {
             is_direct_sent: power.iter().map(|&p| p <= 0.0).collect(),
             power,
             nodes,
+        }
+    }
+
+    /// Goes on from what has arrived, `x`, as if it had been sent along these links: what they bring beyond it arrives now,
+    /// and is unsent.
+    fn resume(&mut self, x: &mut [DVec3]) {
+        self.arrived = self.problem.residual(x).0;
+        for (x, more) in x.iter_mut().zip(&self.arrived) {
+            *x += more;
+        }
+        self.is_direct_sent.fill(true);
+        self.power.fill(0.0);
+        for (arrived, &(b, reach)) in self.arrived.iter().zip(&self.nodes) {
+            let reflected = self.problem.system.blocks[b as usize].reflectance * arrived.abs();
+            self.power[b as usize] += reach * reflected.element_sum() / 3.0;
         }
     }
 

@@ -1,5 +1,6 @@
 //! Systems whose solution is known, without any geometry.
 
+use super::shooting::Until;
 use super::system::{Block, Leaf, Link, System};
 use super::{Corners, Outcome, Problem, Solver, TooManyUnknowns, shooting, solve};
 use crate::radiosity::Basis;
@@ -281,7 +282,7 @@ fn the_first_shots_and_the_ambient_estimate_are_a_preview() {
     };
     let mut last = f64::INFINITY;
     for shots in [1, 5, 20, 80] {
-        let (bare, ambient) = shooting::solve(&problem, Some(shots));
+        let (bare, ambient) = shooting::solve(&problem, None, Until::Shots(shots));
         assert_eq!(bare.shots, shots);
         let mut preview = bare.clone();
         preview.x.iter_mut().for_each(|x| *x += ambient);
@@ -309,7 +310,7 @@ fn shots_go_to_the_brightest_face_first() {
         tolerance: 1e-6,
     };
     // All that has come after one shot is what the brightest face sends.
-    let (preview, _) = shooting::solve(&problem, Some(1));
+    let (preview, _) = shooting::solve(&problem, None, Until::Shots(1));
     let rows = room(n, 31);
     for (x, row) in preview.x.iter().zip(&rows) {
         assert!((x.x - row[4]).abs() < 1e-12);
@@ -329,4 +330,30 @@ fn a_dense_matrix_has_a_limit() {
     let refused = solve(&problem, Solver::Lu).expect_err("too many unknowns");
     assert_eq!(refused, TooManyUnknowns { unknowns: n });
     assert!(refused.to_string().contains("limit 5000"), "{refused}");
+}
+
+#[test]
+fn shooting_goes_on_from_what_has_arrived() {
+    let n = 30;
+    let (rows, next) = (room(n, 41), &mut random(42));
+    let system = system(&rows, |_| DVec3::splat(0.8));
+    let light: Vec<f64> = (0..n).map(|_| next()).collect();
+    let direct = even(&light);
+    let problem = Problem {
+        system: &system,
+        direct: &direct,
+        tolerance: 1e-10,
+    };
+    let (known, _) = shooting::solve(&problem, None, Until::Settled);
+    // From what other links, a tenth off, have brought: too much here, too little there.
+    let other = known.x.iter().map(|x| *x * (0.9 + 0.2 * next())).collect();
+    let (found, left) = shooting::solve(&problem, Some(other), Until::Settled);
+    assert!(found.is_settled && found.shots < known.shots);
+    assert!(left.max_element() < 1e-8, "{left}");
+    for (a, b) in found.x.iter().zip(&known.x) {
+        assert!(a.distance(*b) < 1e-8, "{a} for {b}");
+    }
+    // Enough is less than all.
+    let (some, left) = shooting::solve(&problem, None, Until::Ambient(0.01));
+    assert!(left.max_element() <= 0.01 && some.shots < known.shots);
 }

@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// A correction is small: its gathers may be so much less accurate.
-const CORRECTION_ACCURACY: f64 = 4.0;
+const CORRECTION_ACCURACY: f64 = 2.0;
 
 /// What the faces send beyond what they did.
 struct Correction<'c, 'a> {

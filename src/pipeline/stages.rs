@@ -120,13 +120,21 @@ impl Aim {
         let excess = [0, 1].map(|i| (found[i].powi(2) - allowed[i].powi(2)).max(0.0));
         let over = measured.relative_rms.powi(2) - (AIM_AGAIN * error).powi(2);
         let all = excess[0] + excess[1];
-        // What is off without being in either part is not known from here: a little less of both.
-        let shrink = |i: usize| match all > 0.0 {
-            true => (1.0 - excess[i] * (over / all).min(1.0) / found[i].powi(2)).sqrt(),
-            false => AIM_AGAIN,
+        let more = |i: usize, share: f64, expected: f64| {
+            let expected = expected / error;
+            if excess[i] > 0.0 {
+                let left = 1.0 - excess[i] * (over / all).min(1.0) / found[i].powi(2);
+                expected * left.sqrt().max(LEAST_STEP)
+            } else if all > 0.0 {
+                // It is good enough, whatever is expected of it.
+                share.max(expected)
+            } else {
+                // What is off without being in either part is not known from here: a little less of both.
+                share * AIM_AGAIN
+            }
         };
-        let more = |i: usize, expected: f64| expected / error * shrink(i).max(LEAST_STEP);
-        (self.display, self.field) = (more(0, expected.mesh), more(1, expected.field));
+        let display = more(0, self.display, expected.mesh);
+        (self.display, self.field) = (display, more(1, self.field, expected.field));
     }
 }
 

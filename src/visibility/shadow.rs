@@ -169,11 +169,12 @@ impl Blockers {
 
     /// True when the straight line from `view` to `point` on `face` meets no other face, tested by a ray.
     pub fn sees(&self, view: &Viewpoint, point: DVec3, face: FaceId) -> bool {
-        // Nothing within the weld distance of the viewpoint stands in the way: that is the surface it lies on.
-        let start = self.weld_distance() / view.position.distance(point);
+        // Nothing within the weld distance of either end stands in the way: that is the surface it lies on, or another one in its
+        // plane.
+        let margin = self.weld_distance() / view.position.distance(point);
         !self
             .rays()
-            .is_blocked(view.position, point, start, 1.0, |t| {
+            .is_blocked(view.position, point, margin, 1.0 - margin, |t| {
                 self.ray_owner(t) == face
             })
     }

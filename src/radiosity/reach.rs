@@ -7,10 +7,12 @@ use super::sweep::met;
 use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Viewpoint};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Rays from each viewpoint: an opening that fills less than about this share⁻¹ of every viewpoint's hemisphere may be
-/// missed, with the light that comes through it.
-const RAYS: u32 = 64;
+/// Rays from each viewpoint at last: an opening that fills less than about this share⁻¹ of every viewpoint's hemisphere may be
+/// missed, with the light that comes through it. Most sides need few: of what is still dark after some, what sees a side that is
+/// not is done.
+const RAYS: [u32; 3] = [4, 16, 64];
 
 /// For each entry of `sides`, whether light can reach it; `lit` says which ones the emitters light directly, `views` gives
 /// viewpoints on each.
@@ -21,62 +23,55 @@ pub fn reached(
     lit: &[bool],
 ) -> Vec<bool> {
     let mut reached = lit.to_vec();
-    if reached.iter().all(|&r| r) {
-        return reached;
-    }
-    let seen: Vec<Seen> = views
-        .par_iter()
-        .zip(lit)
-        .map(|(views, &is_lit)| match is_lit {
-            true => Seen::Light,
-            false => look(blockers, sides, views, lit),
-        })
-        .collect();
-    for (reached, seen) in reached.iter_mut().zip(&seen) {
-        *reached |= matches!(seen, Seen::Light);
-    }
-    loop {
-        let mut is_done = true;
-        for i in 0..sides.len() {
-            if let Seen::Dark(seen) = &seen[i]
-                && !reached[i]
-                && seen.iter().any(|&k| reached[k as usize])
-            {
-                reached[i] = true;
-                is_done = false;
+    // The sides that those still in the dark see.
+    let mut seen: Vec<Vec<u32>> = vec![Vec::new(); sides.len()];
+    let mut first = 0;
+    for last in RAYS {
+        let known = &reached;
+        seen.par_iter_mut().enumerate().for_each(|(i, seen)| {
+            if !known[i] {
+                look(blockers, sides, &views[i], first..last, known, seen);
             }
-        }
-        if is_done {
-            return reached;
-        }
+        });
+        spread(&seen, &mut reached);
+        first = last;
     }
+    reached
 }
 
-/// What a side sees.
-enum Seen {
-    /// A lit side.
-    Light,
-    /// Nothing but these dark sides, their indices.
-    Dark(Vec<u32>),
-}
-
+/// Adds what some of the rays from the viewpoints meet, until that is a side known to be reached.
 fn look(
     blockers: &Blockers,
     sides: &[(FaceId, FaceSide)],
     views: &[Viewpoint],
-    lit: &[bool],
-) -> Seen {
-    let mut dark = Vec::new();
+    rays: Range<u32>,
+    reached: &[bool],
+    seen: &mut Vec<u32>,
+) {
     for view in views {
-        for (face, side, _) in met(blockers, view, 0..RAYS) {
-            match sides.binary_search(&(face, side)) {
-                Ok(k) if lit[k] => return Seen::Light,
-                Ok(k) => dark.push(k as u32),
-                Err(_) => {}
+        for (face, side, _) in met(blockers, view, rays.clone()) {
+            if let Ok(k) = sides.binary_search(&(face, side)) {
+                seen.push(k as u32);
+                if reached[k] {
+                    return;
+                }
             }
         }
     }
-    dark.sort_unstable();
-    dark.dedup();
-    Seen::Dark(dark)
+    seen.sort_unstable();
+    seen.dedup();
+}
+
+/// Reaches all that see a side that is reached.
+fn spread(seen: &[Vec<u32>], reached: &mut [bool]) {
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        for (i, seen) in seen.iter().enumerate() {
+            if !reached[i] && seen.iter().any(|&k| reached[k as usize]) {
+                reached[i] = true;
+                is_done = false;
+            }
+        }
+    }
 }

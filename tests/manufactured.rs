@@ -27,7 +27,6 @@ const REQUEST: Request = Request {
     ambient: 1.0,
     bounces: Bounces::All,
     tolerance: 1e-8,
-    rays: None,
     basis: Basis::Linear,
     linking: Linking::Hierarchical,
     solver: Solver::Hierarchical,

@@ -37,7 +37,6 @@ fn request(solution: &Solution, solver: Solver) -> Request {
         ambient: solution.indirect.as_ref().map_or(0.0, IndirectField::mean),
         bounces: Bounces::All,
         tolerance: 1e-6,
-        rays: None,
         basis: Basis::Linear,
         linking: Linking::Hierarchical,
         solver,

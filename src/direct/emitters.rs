@@ -2,7 +2,7 @@
 
 use super::form_factor_of_directions;
 use super::punctual::{irradiance_by, unoccluded_by};
-use crate::geom::Plane;
+use crate::geom::{Plane, even_point_of};
 use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
 use crate::visibility::{Blockers, Scratch, Screening, Seen, Target, Viewpoint};
@@ -26,6 +26,16 @@ pub struct EmitterPolygon {
 }
 
 impl EmitterPolygon {
+    /// The mean of its corners.
+    pub fn middle(&self) -> DVec3 {
+        self.corners.iter().sum::<DVec3>() / self.corners.len() as f64
+    }
+
+    /// Point `i` of a sequence that fills it evenly.
+    pub fn point(&self, i: u32) -> DVec3 {
+        even_point_of(&self.corners, i)
+    }
+
     pub(super) fn target(&self) -> Target<'_> {
         Target {
             corners: &self.corners,

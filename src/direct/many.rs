@@ -10,12 +10,18 @@ use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
 use super::vantage::Vantage;
 use crate::quantity::Irradiance;
+use crate::scene::PunctualLight;
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
 
 /// Up to so many emitters are always cut exactly: that is soon done, and leaves no step where a ray begins to miss.
 const FEW: usize = 32;
+
+/// The parts of an emitter whose form factor is larger than this give very different light, each for its area: one of them does
+/// not speak for all. Behind a crowd of blockers it is known to a tenth.
+const NEAR: f64 = 0.05;
+const NEAR_DOUBT: f64 = 0.1;
 
 /// So many emitters are kept track of without allocating.
 const USUAL: usize = 32;
@@ -58,11 +64,27 @@ impl DirectLight<'_> {
         look
     }
 
-    /// Roughly the irradiance at `view`, W/m²: each emitter is seen wholly or not, as one ray to its middle tells.
-    pub fn by_rays(&self, view: &Viewpoint, scratch: &mut Scratch) -> Irradiance {
+    /// Whether `view` sees the middle of some emitter, or a light without a surface.
+    pub fn sees_a_middle(&self, view: &Viewpoint, scratch: &mut Scratch) -> bool {
+        let prospects = self.prospects(view, None, scratch);
+        let shows = |p: &Prospect| self.factor_by_ray(p, view, p.polygon.middle()) > 0.0;
+        let is_lit = |l: &PunctualLight| irradiance_by(l, self.blockers, view).mean() > 0.0;
+        prospects.iter().any(shows) || self.lights.iter().any(is_lit)
+    }
+
+    /// The irradiance at `view`, W/m², right in the mean over many views with rays of their own: each emitter is seen wholly or
+    /// not, as one ray to point `ray` of an even set tells; what fills much of the sky is cut.
+    pub fn by_rays(&self, view: &Viewpoint, ray: u32, scratch: &mut Scratch) -> Irradiance {
         let mut sum = Irradiance::ZERO;
         for p in self.prospects(view, None, scratch) {
-            sum += Irradiance(p.polygon.exitance.0 * self.factor_by_ray(&p, view));
+            let factor = match p.factor > NEAR {
+                true => {
+                    let doubt = p.factor * NEAR_DOUBT;
+                    self.factor_within(doubt, ray, &p, view, scratch).value
+                }
+                false => self.factor_by_ray(&p, view, p.polygon.point(ray)),
+            };
+            sum += Irradiance(p.polygon.exitance.0 * factor);
         }
         for light in &self.lights {
             sum += irradiance_by(light, self.blockers, view);
@@ -115,7 +137,7 @@ impl DirectLight<'_> {
         let mut factor = |p: &Prospect| {
             if p.light <= weak && p.screens.is_none_or(|s| !s.is_empty()) {
                 return Factor {
-                    value: self.factor_by_ray(p, view),
+                    value: self.factor_by_ray(p, view, p.polygon.middle()),
                     is_exact: true,
                 };
             }
@@ -125,13 +147,11 @@ impl DirectLight<'_> {
         prospects.iter().map(&mut factor).collect()
     }
 
-    fn factor_by_ray(&self, prospect: &Prospect, view: &Viewpoint) -> f64 {
-        let polygon = prospect.polygon;
-        let middle = polygon.corners.iter().sum::<DVec3>() / polygon.corners.len() as f64;
-        if self.blockers.sees(view, middle, polygon.face) {
-            prospect.factor
-        } else {
-            0.0
+    /// All of an emitter or nothing, as one ray to a point of it tells.
+    fn factor_by_ray(&self, prospect: &Prospect, view: &Viewpoint, point: DVec3) -> f64 {
+        match self.blockers.sees(view, point, prospect.polygon.face) {
+            true => prospect.factor,
+            false => 0.0,
         }
     }
 }

@@ -6,7 +6,8 @@
 //!        └──── f     an even mesh will do.
 //! ```
 
-use super::indirect::{Guess, Rooms};
+use super::guess::Guess;
+use super::indirect::Rooms;
 use crate::direct::DirectLight;
 use crate::mesh::FaceDomain;
 use crate::scene::{EdgeId, FaceId, FaceSide};

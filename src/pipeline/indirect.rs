@@ -1,30 +1,17 @@
 //! The indirect part of the recipe: a guess of how much of it there is, and the solution.
 
+use super::guess::Guess;
 use crate::adapt::Receiver;
 use crate::direct::DirectLight;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::{Irradiance, Rgb};
-use crate::radiosity::{
-    Basis, Bounces, IndirectField, Linking, Locator, Request, SolveMesh, Solver,
-};
+use crate::radiosity::{Linking, Locator, Request, SolveMesh};
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::visibility::{Blockers, Scratch};
+use crate::visibility::Blockers;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Elements of the mesh that guesses how much light is indirect, so that the error asked for means something in W/m².
-const GUESS_ELEMENTS: f64 = 100.0;
-
-/// The guess's own error, relative to the mean direct light.
-const GUESS_ERROR: f64 = 0.05;
-
-/// Rays from each of its nodes: the mean over all of them is then right to a few per cent.
-const GUESS_RAYS: u32 = 64;
-
-/// Of more sites than this none need be right but in the mean: a ray to each emitter is enough.
-const MANY_SITES: usize = 4096;
 
 /// Elements of the solve mesh at an error of 1 %, before the shapes of the faces ask for more. The field between its nodes is
 /// quadratic, and refined and corrected where that is not enough.
@@ -49,15 +36,6 @@ pub(super) struct Rooms<'r> {
     pub(super) blockers: &'r Blockers,
     /// The lit sides, sorted.
     pub(super) domains: &'r [Arc<FaceDomain>],
-}
-
-/// Mean irradiance over the lit sides, W/m².
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Guess {
-    /// Straight from the emitters.
-    pub(super) direct: f64,
-    /// By way of other faces.
-    pub(super) indirect: f64,
 }
 
 impl Rooms<'_> {
@@ -102,69 +80,6 @@ impl Rooms<'_> {
         let both = |d: &Arc<FaceDomain>| (d.clone(), faces[d.face].reflectance);
         self.domains.iter().map(both).collect()
     }
-
-    /// Mean irradiance over the lit sides, roughly.
-    pub(super) fn guess(&self, direct: &DirectLight, bounces: Bounces) -> Result<Guess, MeshError> {
-        let mesh = SolveMesh::new(self.reflecting(), self.spacing(GUESS_ELEMENTS))?;
-        let sites: usize = mesh.faces.iter().map(|f| f.mesh.site_vertices.len()).sum();
-        let is_crowded = sites > MANY_SITES;
-        let at_sites: Vec<Vec<Irradiance>> = mesh
-            .faces
-            .par_iter()
-            .map_init(Scratch::default, |scratch, face| {
-                (0..face.mesh.site_vertices.len())
-                    .map(|s| {
-                        let view = face.site_view(s);
-                        if is_crowded {
-                            direct.by_rays(&view, scratch)
-                        } else {
-                            direct.irradiance(&view, scratch)
-                        }
-                    })
-                    .collect()
-            })
-            .collect();
-        let mean = mean_of_sites(&mesh, &at_sites);
-        let request = Request {
-            error: GUESS_ERROR * mean,
-            ambient: mean * mesh.mean_reflectance() / mesh.loss(),
-            bounces,
-            tolerance: GUESS_ERROR,
-            rays: Some(GUESS_RAYS),
-            basis: Basis::default(),
-            linking: Linking::default(),
-            solver: Solver::default(),
-        };
-        let (field, report) = IndirectField::solve(mesh, self.blockers, request, |face, f, p| {
-            match face.locate(p) {
-                Some((e, weights)) => mix(face.mesh.sites[e], weights, &at_sites[f]),
-                None => Irradiance::ZERO,
-            }
-        })
-        .expect("only the dense solver has a limit");
-        Ok(Guess {
-            direct: mean,
-            // Where next to nothing is absorbed a few rays do not tell how much that is.
-            indirect: if report.is_settled {
-                field.mean()
-            } else {
-                request.ambient
-            },
-        })
-    }
-}
-
-/// Area-weighted mean of values at the sites, mean of the channels.
-fn mean_of_sites(mesh: &SolveMesh, values: &[Vec<Irradiance>]) -> f64 {
-    let (mut sum, mut area) = (0.0, 0.0);
-    for (face, values) in mesh.faces.iter().zip(values) {
-        for (e, sites) in face.mesh.sites.iter().enumerate() {
-            let a = face.mesh.area(e);
-            area += a;
-            sum += mix(*sites, [1.0 / 3.0; 3], values).mean() * a;
-        }
-    }
-    if area > 0.0 { sum / area } else { 0.0 }
 }
 
 fn mix(sites: [u32; 3], weights: [f64; 3], values: &[Irradiance]) -> Irradiance {
@@ -182,7 +97,6 @@ pub(super) fn request(settings: &Settings, mean: f64, indirect: f64) -> Request 
         ambient: indirect,
         bounces: settings.bounces,
         tolerance: settings.error * SOLVE_SHARE,
-        rays: None,
         basis: settings.basis,
         linking: Linking::default(),
         solver: settings.solver,

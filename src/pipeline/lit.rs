@@ -1,9 +1,8 @@
-//! Which sides show the light that reaches them, and about how much there is.
+//! Which sides show the light that reaches them.
 
 use super::World;
 use crate::direct::DirectLight;
 use crate::discontinuity::{EventKind, FaceLines, LineMap};
-use crate::geom::even_point_in;
 use crate::radiosity::reached;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
@@ -12,9 +11,6 @@ use rayon::prelude::*;
 
 /// How far beside a line light is looked for, as a share of its length.
 const BESIDE_SHARE: f64 = 0.01;
-
-/// Points that tell how strong the direct light is in the mean: to some ten per cent of it.
-const GUESS_POINTS: u32 = 1024;
 
 /// Which sides show light that reaches them: directly (it shows at coarse points, or draws a line), or by way of other
 /// sides. A lamp that reflects nothing shows its own light alone.
@@ -80,7 +76,7 @@ fn shows_emitter<'v>(
     mut views: impl Iterator<Item = &'v Viewpoint>,
     scratch: &mut Scratch,
 ) -> bool {
-    views.any(|v| direct.by_rays(v, scratch).mean() > 0.0)
+    views.any(|v| direct.sees_a_middle(v, scratch))
 }
 
 /// Whether one of the viewpoints sees any of an emitter.
@@ -123,43 +119,4 @@ pub(super) fn greatest_mean(
         .map(|(id, e)| exitance(id) * scene.faces[e.face].area)
         .sum();
     power / sides.iter().map(|s| scene.faces[s.0].area).sum::<f64>()
-}
-
-/// About the mean of the direct irradiance over the lit sides, W/m²: at points spread evenly over their area, by single
-/// rays.
-pub(super) fn guess_direct(
-    scene: &Scene,
-    direct: &DirectLight,
-    sides: &[(FaceId, FaceSide)],
-    is_lit: &[bool],
-) -> f64 {
-    let mut triangles = Vec::new();
-    let mut area = 0.0;
-    for (&(face, side), _) in sides.iter().zip(is_lit).filter(|(_, lit)| **lit) {
-        for t in &scene.faces[face].triangles {
-            let corners = t.map(|v| scene.vertices[v]);
-            area += triangle_area(corners);
-            triangles.push((area, corners, scene.normal(face, side)));
-        }
-    }
-    if triangles.is_empty() {
-        return 0.0;
-    }
-    let lights: Vec<f64> = (0..GUESS_POINTS)
-        .into_par_iter()
-        .map_init(Scratch::default, |scratch, i| {
-            let at = area * (f64::from(i) + 0.5) / f64::from(GUESS_POINTS);
-            let k = triangles
-                .partition_point(|t| t.0 <= at)
-                .min(triangles.len() - 1);
-            let (_, corners, normal) = triangles[k];
-            let view = Viewpoint::new(even_point_in(corners, i), normal);
-            direct.by_rays(&view, scratch).mean()
-        })
-        .collect();
-    lights.iter().sum::<f64>() / f64::from(GUESS_POINTS)
-}
-
-fn triangle_area([a, b, c]: [DVec3; 3]) -> f64 {
-    0.5 * (b - a).cross(c - a).length()
 }

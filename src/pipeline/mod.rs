@@ -7,12 +7,14 @@ mod estimate;
 mod evidence;
 mod exposure;
 mod grading;
+mod guess;
 mod indirect;
 mod lines;
 mod lit;
 mod measure;
 mod mesh_edges;
 mod probe;
+mod random;
 mod rims;
 mod smooth;
 mod stages;
@@ -40,8 +42,9 @@ use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
 use crate::visibility::Blockers;
 use crate::warning::Warning;
+use guess::guess;
 use indirect::Rooms;
-use lit::{guess_direct, lit_sides};
+use lit::lit_sides;
 pub use stages::MEASURE_SLACK;
 use stages::{Aim, Mesher, Run};
 use std::sync::Arc;
@@ -145,17 +148,18 @@ pub fn light<'a>(
             .iter()
             .any(|&(f, _)| !scene.faces[f].reflectance.is_black());
     let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
-    let mean_direct = guess_direct(scene, &direct, &sides, &is_lit);
     let domains = lit_domains(scene, &lines, &sides, &is_lit);
-    let (mut mean_indirect, mut solve_mesh) = (0.0, None);
+
+    run.start("first guess");
+    let guess = guess(world, &direct, &sides, &is_lit, settings.bounces);
+    let mut solve_mesh = None;
     if with_bounces {
         let rooms = Rooms {
             scene,
             blockers: &world.blockers,
             domains: &domains,
         };
-        let (guess, mesh) = run.guess(world, &rooms, &direct)?;
-        (mean_indirect, solve_mesh) = (guess, Some(mesh));
+        solve_mesh = Some(run.solve_mesh(world, &rooms, &direct, guess)?);
     }
 
     run.start("display mesh");
@@ -163,7 +167,8 @@ pub fn light<'a>(
         meshing: settings.meshing,
         spacing: START_SPACING * scene.diagonal,
     };
-    let weak = WEAK_SHARE * settings.error * (mean_direct + mean_indirect);
+    let mean_indirect = guess.indirect;
+    let weak = WEAK_SHARE * settings.error * (guess.direct + mean_indirect);
     let mut aim = Aim::new(mesher, solve_mesh.as_ref(), weak);
     let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, domains, lines);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;

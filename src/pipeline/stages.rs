@@ -1,6 +1,7 @@
 //! The stages of a bake, one function each, and what they share: the settings, the budget, the clock and the summary.
 
 use super::evidence::{Evidence, Expected};
+use super::guess::Guess;
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
 use super::measure::{default_samples, measure};
@@ -189,21 +190,19 @@ impl<'r, 'p> Run<'r, 'p> {
         lines
     }
 
-    /// A first guess of the mean indirect irradiance (W/m²), and the mesh to solve on.
-    pub(super) fn guess(
-        &mut self,
+    /// The mesh to solve on.
+    pub(super) fn solve_mesh(
+        &self,
         world: &World,
         rooms: &Rooms,
         direct: &DirectLight,
-    ) -> Result<(f64, SolveMesh), LightError> {
-        self.start("first guess");
+        guess: Guess,
+    ) -> Result<SolveMesh, LightError> {
         let settings = self.settings;
-        let guess = rooms.guess(direct, settings.bounces)?;
-        let mean = guess.indirect;
         let mesh = rooms.solve_mesh(settings.error, direct, guess)?;
         check_size(&mesh, &world.blockers, settings.solver, settings.basis)
             .map_err(|e| too_many(world, e))?;
-        Ok((mean, mesh))
+        Ok(mesh)
     }
 
     /// Refines the display meshes; `mean_besides` (W/m²) is the mean of light that comes later. Once time is up, indirect light

@@ -70,8 +70,6 @@ pub struct Request {
     pub bounces: Bounces,
     /// Permitted error of the iteration, relative to the largest radiosity.
     pub tolerance: f64,
-    /// Nothing but so many rays from each node: for a guess.
-    pub rays: Option<u32>,
     /// What cells know of their light.
     pub basis: Basis,
     /// How nodes are linked with cells.

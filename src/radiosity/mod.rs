@@ -41,4 +41,5 @@ pub use rows::check_size;
 pub use solve::{Bounces, Linking, SolveReport};
 pub use solve_mesh::{SolveFace, SolveMesh};
 pub use solvers::{Solver, TooManyUnknowns};
+pub(crate) use sweep::met;
 pub use wavelet::Compression;

@@ -40,7 +40,7 @@ impl Sweep {
 }
 
 /// The sides that these rays of an even set from `view` meet, and where, metres.
-pub(super) fn met<'b>(
+pub(crate) fn met<'b>(
     blockers: &'b Blockers,
     view: &'b Viewpoint,
     rays: Range<u32>,

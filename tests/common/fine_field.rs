@@ -67,7 +67,6 @@ impl<'a> FineField<'a> {
             ambient: coarse.mean(),
             bounces: Bounces::All,
             tolerance: 1e-7,
-            rays: None,
             basis: Basis::default(),
             linking: Linking::default(),
             solver: Solver::default(),

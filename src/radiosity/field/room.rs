@@ -6,7 +6,6 @@ use crate::radiosity::cells::{FaceCells, FaceLight, follow_all};
 use crate::radiosity::clusters::Sources;
 use crate::radiosity::held::{Held, looks_into_gap};
 use crate::radiosity::solve::{Solved, Transport};
-use crate::radiosity::solve_mesh::SPREAD_POINTS;
 use crate::radiosity::{Bounces, Linking, SolveFace, SolveMesh, TooManyUnknowns};
 use crate::scene::MINOR_SHARE;
 use crate::visibility::Blockers;
@@ -87,9 +86,7 @@ impl Room<'_> {
         let oracle = oracle(mesh, &sources, accuracy, accuracy / loss);
         let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
         let rays = |face: &SolveFace| {
-            let small = (is_crowded && face.is_small).then(|| small_rays(face.area / area));
-            let points = if face.is_small { SPREAD_POINTS } else { 1 };
-            request.rays.map(|n| n / points).or(small)
+            (is_crowded && face.is_small).then(|| small_rays(face.area / area))
         };
         let mut transport =
             Transport::new(mesh, trees, self.blockers, &oracle, request.basis, rays);

@@ -38,7 +38,6 @@ impl Room<'_> {
         request.solver == Solver::Progressive
             && request.basis != Basis::Constant
             && request.bounces == Bounces::All
-            && request.rays.is_none()
             && !self.mesh.is_crowded()
     }
 

@@ -164,6 +164,11 @@ impl FieldFace {
             .sum()
     }
 
+    /// Links that its points remember.
+    pub(super) fn link_count(&self) -> usize {
+        self.points.iter().map(|p| p.source.len()).sum()
+    }
+
     /// Integral over the elements, linear between the corners, W.
     pub(super) fn power(&self) -> Irradiance {
         if let Some(uniform) = self.uniform {
@@ -416,6 +421,19 @@ impl FieldFace {
             (Some(_), Some(uniform)) => uniform.value,
             (Some((e, b)), None) => self.interpolate(e, b),
             (None, _) => Irradiance::ZERO,
+        }
+    }
+}
+
+#[cfg(test)]
+impl FieldFace {
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    pub(super) fn forget_links(&mut self) {
+        for point in &mut self.points {
+            point.source = Source::Forgotten;
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::visibility::Blockers;
 use glam::DVec3;
 
 /// A unit cube seen from inside, its first face the ceiling.
-fn cube(rho: f64) -> Scene {
+pub(super) fn cube(rho: f64) -> Scene {
     let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
     let faces = [
         [2, 3, 7, 6],

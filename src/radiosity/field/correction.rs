@@ -7,7 +7,7 @@
 use super::super::cells::FaceLight;
 use super::super::clusters::Sources;
 use super::super::field_face::{CellLink, Gathered, Point, Source};
-use super::super::gather::Gatherers;
+use super::super::gather::{Gatherer, Gatherers};
 use super::super::solve::Transport;
 use super::super::walk::spread;
 use super::super::{Bounces, SolveFace};
@@ -114,9 +114,10 @@ impl IndirectField<'_> {
 impl Correction<'_, '_> {
     /// What a point of `face` receives of it.
     fn at(&self, face: &SolveFace, point: &mut Point) -> Irradiance {
-        let accuracy = CORRECTION_ACCURACY * self.solution.accuracy(face);
+        let accuracy = self.solution.accuracy_on(face).times(CORRECTION_ACCURACY);
         let view = face.view(point.place);
-        let is_good = |link: &CellLink| self.strays(link, view.position) <= LINK_SHARE * accuracy;
+        let is_good =
+            |link: &CellLink| self.strays(link, view.position) <= LINK_SHARE * accuracy.link;
         let light = &self.change.faces;
         match &point.source {
             Source::Cells(links) if links.iter().all(is_good) => {
@@ -125,6 +126,11 @@ impl Correction<'_, '_> {
             }
             Source::Node(node) if self.transport.links(*node).all(|l| is_good(&l)) => {
                 return self.at_nodes[*node as usize];
+            }
+            Source::Forgotten => {
+                let (solution, change) = (self.solution, &self.change);
+                let gather = |g: &mut Gatherer| solution.gather(g, &view, change, accuracy);
+                return self.gatherers.lend(gather);
             }
             _ => {}
         }

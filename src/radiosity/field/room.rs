@@ -1,6 +1,6 @@
 //! The links of a room and the light that goes along them, before any of it is gathered for display.
 
-use super::{AMBIENT_SHARE, Request, follow_limits, oracle};
+use super::{AMBIENT_SHARE, Accuracy, Request, follow_limits, oracle};
 use crate::quantity::Radiosity;
 use crate::radiosity::cells::{FaceCells, FaceLight, follow_all};
 use crate::radiosity::clusters::Sources;
@@ -83,11 +83,14 @@ impl Room<'_> {
             Linking::Leaves => (0.0, 1.0),
         };
         let sources = Sources::new(mesh, light, ambient);
-        let oracle = oracle(mesh, &sources, accuracy, accuracy / loss);
-        let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
-        let rays = |face: &SolveFace| {
-            (is_crowded && face.is_small).then(|| small_rays(face.area / area))
+        let accuracy = Accuracy {
+            link: accuracy,
+            ray: accuracy / loss,
         };
+        let oracle = oracle(mesh, &sources, accuracy);
+        let (is_crowded, area) = (mesh.is_crowded(), mesh.area());
+        let rays =
+            |face: &SolveFace| (is_crowded && face.is_small).then(|| small_rays(face.area / area));
         let mut transport =
             Transport::new(mesh, trees, self.blockers, &oracle, request.basis, rays);
         for (f, held) in self.held.iter().enumerate() {

@@ -20,6 +20,18 @@ pub(in crate::radiosity) enum Source {
     Node(u32),
     /// These cells, by number.
     Cells(Box<[CellLink]>),
+    /// Links have become too many for it to be remembered.
+    Forgotten,
+}
+
+impl Source {
+    /// How many cells are remembered.
+    pub(in crate::radiosity) fn len(&self) -> usize {
+        match self {
+            Self::Cells(links) => links.len(),
+            Self::Node(_) | Self::Forgotten => 0,
+        }
+    }
 }
 
 /// A point of a field.

@@ -1,6 +1,7 @@
 //! The indirect light on one side of one face.
 
 mod division;
+mod estimate;
 mod points;
 
 pub(super) use points::{CellLink, Gathered, Point, Source, merged};
@@ -14,22 +15,6 @@ use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// What the points of a small face do not tell of how it varies, as a share of its value.
-const UNIFORM_VARIATION: f64 = 0.1;
-
-/// Linear interpolation is off by at most this share of the range of the corners, unless light breaks inside.
-const LINEAR_SHARE: f64 = 0.25;
-
-/// Quadratic interpolation is off by about this share of what it adds to linear interpolation: with a fifth, and .08 where it was
-/// probed, the fields of three Cornell boxes were off by 1.3 to 1.6 times their estimate.
-const QUADRATIC_SHARE: f64 = 0.3;
-
-/// And by no less than this share of it, however good one gather in the middle finds it.
-const PROBED_SHARE: f64 = 0.12;
-
-/// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
-const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
 
 /// What is known of one element.
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,49 +166,6 @@ impl FieldFace {
             }
         }
         sum
-    }
-
-    /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
-    pub(super) fn errors(&self) -> Vec<f64> {
-        if let Some(uniform) = self.uniform {
-            let unseen = UNIFORM_VARIATION * UNIFORM_VARIATION * uniform.value.0.mean_square();
-            return vec![self.area() * (uniform.variance + unseen)];
-        }
-        (0..self.known.len()).map(|e| self.error(e)).collect()
-    }
-
-    fn error(&self, e: usize) -> f64 {
-        let known = &self.known[e];
-        if let Some(inherited) = known.inherited {
-            return self.mesh.area(e) * inherited.error;
-        }
-        let corners = self.corners(e);
-        let mut square = 0.0_f64;
-        for k in 0..3 {
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            let part = match known.middles[k] {
-                None => LINEAR_SHARE * LINEAR_SHARE * (a - b).0.mean_square(),
-                Some(m) => {
-                    let share = match known.centre {
-                        Some(_) => PROBED_SHARE,
-                        None => QUADRATIC_SHARE,
-                    };
-                    share * share * (self.value(m) - (a + b) * 0.5).0.mean_square()
-                }
-            };
-            square = square.max(part);
-        }
-        let centre = known.centre.map_or(0.0, |c| CENTRE_WEIGHT * c);
-        self.mesh.area(e) * square.max(centre)
-    }
-
-    /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².
-    pub(super) fn error_at(&self, p: DVec2) -> f64 {
-        match self.locator.locate(&self.mesh, p) {
-            Some(_) if self.uniform.is_some() => (self.errors()[0] / self.area()).sqrt(),
-            Some((e, _)) => (self.error(e) / self.mesh.area(e)).sqrt(),
-            None => 0.0,
-        }
     }
 
     /// Spends gathers on everything whose error is at least `limit`; returns how many.

@@ -15,7 +15,8 @@ use rayon::prelude::*;
 pub struct Measured {
     /// Points; indirect light is gathered at every fourth of them.
     pub samples: u32,
-    /// RMS error of irradiance, W/m² (root of the mean square over points and channels).
+    /// RMS error of irradiance, W/m² (root of the mean square over points and channels); never less than that of either part
+    /// below.
     pub rms: f64,
     /// RMS error over mean irradiance.
     pub relative_rms: f64,
@@ -130,7 +131,8 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evid
         .map(|off| off.0.0.abs().max_element())
         .fold(0.0, f64::max);
     let relative = |x: f64| if mean > 0.0 { x / mean } else { 0.0 };
-    let rms = (mesh + cross).max(0.0).sqrt();
+    // A few points where both happen to cancel do not make the whole better than either part.
+    let rms = (mesh + cross).max(mesh).max(field).sqrt();
     let measured = Measured {
         samples: found.len() as u32,
         rms,

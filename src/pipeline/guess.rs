@@ -9,7 +9,7 @@ use super::random::Pcg;
 use crate::direct::DirectLight;
 use crate::geom::even_point_in;
 use crate::quantity::Rgb;
-use crate::radiosity::{Bounces, met};
+use crate::radiosity::{Bounces, loss, met};
 use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
@@ -91,7 +91,8 @@ pub(super) fn guess(
         }
     }
     let [direct, indirect @ ..] = means;
-    let ambient = direct * reflected / (area - reflected).max(f64::MIN_POSITIVE);
+    let reflectance = reflected / area;
+    let ambient = direct * reflectance / loss(reflectance);
     Guess {
         direct,
         indirect: with_rest(&indirect, bounces).unwrap_or(ambient),
@@ -265,6 +266,28 @@ mod tests {
             LAMP,
         ));
         is_right(&scene_of(&quads));
+    }
+
+    /// All light comes back for ever: the guess is finite, and it is the solver that says so.
+    #[test]
+    fn a_room_that_absorbs_nothing_has_a_finite_guess() {
+        let mut quads = room();
+        quads.push((
+            quad([0.7, 1.9, 0.8], [0.5, 0.0, 0.0], [0.0, 0.0, 0.6]),
+            LAMP,
+        ));
+        let mut raw = scene_of(&quads);
+        for material in &mut raw.materials {
+            material.reflectance = Rgb::grey(1.0);
+        }
+        let world = World::new(&raw, &Settings::default()).expect("a scene");
+        let direct = DirectLight::new(&world.scene, &world.blockers);
+        let sides = receiver_sides(&world.scene);
+        let is_lit = vec![true; sides.len()];
+        let found = guess(&world, &direct, &sides, &is_lit, Bounces::All);
+        // As often reflected as links take into account, and far more often than the paths follow it.
+        let most = found.direct / loss(1.0);
+        assert!(found.indirect > 10.0 * found.direct && found.indirect < 1.01 * most);
     }
 
     /// Most of the window is hidden from a slat, but not what is next to it.

@@ -39,6 +39,7 @@ pub use locator::Locator;
 pub use reach::reached;
 pub use rows::check_size;
 pub use solve::{Bounces, Linking, SolveReport};
+pub(crate) use solve_mesh::loss;
 pub use solve_mesh::{SolveFace, SolveMesh};
 pub use solvers::{Solver, TooManyUnknowns};
 pub(crate) use sweep::met;

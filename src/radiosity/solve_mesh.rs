@@ -133,7 +133,7 @@ impl SolveMesh {
     /// The share of the light that is lost with each bounce, roughly (never 0: what no surface absorbs leaves by some opening,
     /// or nothing can be said of it).
     pub fn loss(&self) -> f64 {
-        (1.0 - self.mean_reflectance()).max(LEAST_LOSS)
+        loss(self.mean_reflectance())
     }
 
     /// Area-weighted mean reflectance (largest channel), 0…1.
@@ -146,6 +146,11 @@ impl SolveMesh {
             .sum();
         if area > 0.0 { reflected / area } else { 0.0 }
     }
+}
+
+/// The share of the light that is lost with each bounce where this is the mean reflectance (0…1), never 0.
+pub(crate) fn loss(mean_reflectance: f64) -> f64 {
+    (1.0 - mean_reflectance).max(LEAST_LOSS)
 }
 
 /// Points `spacing` apart along an edge, [`EDGE_ROW`] of that inside the face; none beside an edge that is shorter.

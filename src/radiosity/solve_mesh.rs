@@ -65,6 +65,18 @@ pub struct SolveMesh {
     pub spacing: f64,
     /// The sides that reflect, as a tree.
     pub(super) clusters: Clusters,
+    /// The number of each side of each face of the scene, as far as they take part.
+    numbers: Vec<[Option<u32>; 2]>,
+}
+
+/// For each side of the faces of the scene its number in `faces`: a ray asks for it, hundreds of them for each point.
+fn numbers(faces: &[SolveFace]) -> Vec<[Option<u32>; 2]> {
+    let last = faces.iter().map(|f| f.domain.face).max();
+    let mut numbers = vec![[None; 2]; last.map_or(0, |f| f.0 as usize + 1)];
+    for (number, SolveFace { domain, .. }) in (0_u32..).zip(faces) {
+        numbers[domain.face.0 as usize][domain.side as usize] = Some(number);
+    }
+    numbers
 }
 
 impl SolveMesh {
@@ -104,6 +116,7 @@ impl SolveMesh {
         }
         Ok(Self {
             clusters: Clusters::new(&faces),
+            numbers: numbers(&faces),
             faces,
             spacing,
         })
@@ -111,8 +124,8 @@ impl SolveMesh {
 
     /// The number of a side among the faces; none when it takes no part.
     pub(super) fn number(&self, face: FaceId, side: FaceSide) -> Option<usize> {
-        let key = |f: &SolveFace| (f.domain.face, f.domain.side);
-        self.faces.binary_search_by_key(&(face, side), key).ok()
+        let sides = self.numbers.get(face.0 as usize)?;
+        sides[side as usize].map(|f| f as usize)
     }
 
     /// Area of all faces, m².

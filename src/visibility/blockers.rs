@@ -5,6 +5,7 @@ use super::{BoxTree, RayCaster, Region};
 use crate::geom::Plane;
 use crate::scene::{EdgeId, FaceId, Scene, VertexId};
 use glam::DVec3;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Counts the worlds of this process.
@@ -34,6 +35,8 @@ pub struct Blockers {
     /// No two have the same: what is remembered of one is not taken for another's.
     id: u64,
     parts: Vec<Part>,
+    /// The first part of each face, and the number of all parts.
+    first_part: Vec<u32>,
     positions: Vec<DVec3>,
     vertices: Vec<VertexId>,
     /// The scene edge from each corner to the next, or none on a diagonal between two parts of one face.
@@ -53,7 +56,7 @@ impl Blockers {
     /// Collects the convex parts of all faces.
     pub fn new(scene: &Scene) -> Self {
         let (mut parts, mut positions, mut vertices, mut edges) = (vec![], vec![], vec![], vec![]);
-        let mut first_part = Vec::with_capacity(scene.faces.len());
+        let mut first_part = Vec::with_capacity(scene.faces.len() + 1);
         for (id, face) in scene.faces.iter() {
             first_part.push(parts.len() as u32);
             let mut rim: Vec<([VertexId; 2], EdgeId)> = face
@@ -83,6 +86,7 @@ impl Blockers {
                 }
             }
         }
+        first_part.push(parts.len() as u32);
         let tree = BoxTree::new(parts.iter().map(|p: &Part| {
             let corners = &positions[p.first as usize..(p.first + p.count) as usize];
             corners
@@ -118,6 +122,7 @@ impl Blockers {
             rays: RayCaster::new(&triangles),
             ray_owners,
             parts,
+            first_part,
             positions,
             vertices,
             edges,
@@ -140,6 +145,12 @@ impl Blockers {
     /// One part.
     pub fn part(&self, index: u32) -> &Part {
         &self.parts[index as usize]
+    }
+
+    /// Indices of the parts of a face.
+    pub(super) fn parts_of(&self, face: FaceId) -> Range<u32> {
+        let face = face.0 as usize;
+        self.first_part[face]..self.first_part[face + 1]
     }
 
     /// Corners of a part, counter-clockwise seen from the front of its face, metres.
@@ -228,7 +239,7 @@ fn ends_of(part: &[VertexId], i: usize) -> [VertexId; 2] {
 }
 
 impl Part {
-    fn range(&self) -> std::ops::Range<usize> {
+    fn range(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 }

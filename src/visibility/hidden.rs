@@ -70,12 +70,4 @@ impl Blockers {
             .nearest_where(view.position, way, tol / length, 1.0, |h| is_before(h.t))?;
         Some(self.ray_owner(hit.triangle))
     }
-
-    /// Indices of the parts of a face.
-    pub(super) fn parts_of(&self, face: FaceId) -> std::ops::Range<u32> {
-        let parts = self.parts();
-        let first = parts.partition_point(|p| p.face < face);
-        let count = parts[first..].partition_point(|p| p.face == face);
-        first as u32..(first + count) as u32
-    }
 }

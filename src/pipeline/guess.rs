@@ -257,26 +257,24 @@ mod tests {
         }
     }
 
+    /// The room with a lamp at this height, metres; its ceiling is at 2.
+    fn room_with_lamp(height: f64) -> RawScene {
+        let mut quads = room();
+        let lamp = quad([0.7, height, 0.8], [0.5, 0.0, 0.0], [0.0, 0.0, 0.6]);
+        quads.push((lamp, LAMP));
+        scene_of(&quads)
+    }
+
     /// Rays to it end on the ceiling as well.
     #[test]
     fn a_lamp_in_the_plane_of_a_ceiling_is_seen() {
-        let mut quads = room();
-        quads.push((
-            quad([0.7, 2.0, 0.8], [0.5, 0.0, 0.0], [0.0, 0.0, 0.6]),
-            LAMP,
-        ));
-        is_right(&scene_of(&quads));
+        is_right(&room_with_lamp(2.0));
     }
 
     /// All light comes back for ever: the guess is finite, and it is the solver that says so.
     #[test]
     fn a_room_that_absorbs_nothing_has_a_finite_guess() {
-        let mut quads = room();
-        quads.push((
-            quad([0.7, 1.9, 0.8], [0.5, 0.0, 0.0], [0.0, 0.0, 0.6]),
-            LAMP,
-        ));
-        let mut raw = scene_of(&quads);
+        let mut raw = room_with_lamp(1.9);
         for material in &mut raw.materials {
             material.reflectance = Rgb::grey(1.0);
         }

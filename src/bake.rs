@@ -40,7 +40,7 @@ pub struct Baked {
 /// ```
 pub fn bake(raw: &RawScene, settings: &Settings) -> Result<Baked, LightError> {
     let world = World::new(raw, settings)?;
-    let solution = light(&world, settings, &mut |_stage, _done| {})?;
+    let solution = light(&world, settings, &mut |_| {})?;
     Ok(Baked {
         scene: solution.lit_scene(),
         summary: solution.summary.clone(),

@@ -16,7 +16,7 @@ fn lit<'a>(world: &'a World, error: f64, bounces: Bounces, budget: Budget) -> So
         budget,
         ..settings(error, bounces)
     };
-    light(world, &settings, &mut |_, _| {}).unwrap_or_else(|e| panic!("{e}"))
+    light(world, &settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn elements(most: usize) -> Budget {

@@ -76,7 +76,7 @@ fn check_basis(shape: &str, error: f64, basis: Basis) {
             basis,
             ..settings(error, Bounces::All)
         };
-        let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
+        let solution = light(&world, &settings, &mut |_| {}).expect("a room");
         let seen = check_vertices(&name, &solution.lit_scene(), &footprints);
         // Everything was looked at but what stands under the boxes.
         let area: f64 = mesh.polygons.iter().map(|p| p.area()).sum();

@@ -187,7 +187,7 @@ fn work(rooms: usize) -> [f64; 2] {
         error: COARSE,
         ..Settings::default()
     };
-    let solution = light(&world, &settings, &mut |_, _| {}).unwrap_or_else(|e| panic!("{e}"));
+    let solution = light(&world, &settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
     let summary = &solution.summary;
     [summary.solve.links as f64, summary.gathers as f64]
 }

@@ -33,7 +33,7 @@ fn check(nasty: Nasty, seed: u64) -> usize {
     let raw = nasty_scene(nasty, &mut Rng::new(seed));
     let start = seconds_of_process();
     let world = world_of_raw(&raw);
-    let solution = light(&world, &settings(ERROR, Bounces::Count(0)), &mut |_, _| {})
+    let solution = light(&world, &settings(ERROR, Bounces::Count(0)), &mut |_| {})
         .unwrap_or_else(|e| panic!("{what}: {e}"));
     let seconds = seconds_of_process() - start;
     assert!(seconds < LONGEST, "{what}: {seconds} s");

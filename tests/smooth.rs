@@ -108,7 +108,7 @@ fn bake(raw: &RawScene, bounces: Bounces) -> (Scene, LitScene) {
         ..Settings::default()
     };
     let world = world_of_raw(raw);
-    let solution = light(&world, &settings, &mut |_, _| {}).expect("a bake");
+    let solution = light(&world, &settings, &mut |_| {}).expect("a bake");
     let lit = solution.lit_scene();
     (world.scene, lit)
 }

@@ -370,7 +370,7 @@ fn the_inside_of_a_sphere_is_lit_evenly() {
             basis,
             ..settings(0.02, Bounces::All)
         };
-        let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
+        let solution = light(&world, &settings, &mut |_| {}).expect("a room");
         assert_eq!(
             solution.summary.lit_sides,
             world.scene.faces.len(),
@@ -479,7 +479,7 @@ fn threads_change_no_byte_of_any_solver() {
                 ..settings(0.2, Bounces::All)
             };
             pool.expect("threads can be started").install(|| {
-                let solution = light(&world, &settings, &mut |_, _| {}).expect("a room");
+                let solution = light(&world, &settings, &mut |_| {}).expect("a room");
                 assert!(solution.summary.solve.is_settled);
                 (write_glb(&solution.lit_scene()), solution.summary.energy)
             })
@@ -561,7 +561,7 @@ fn light_that_nothing_absorbs_is_refused() {
         material.emission = Radiance(Rgb::grey(1.0));
     }
     let world = clean(&raw);
-    let refused = light(&world, &settings(0.1, Bounces::All), &mut |_, _| {});
+    let refused = light(&world, &settings(0.1, Bounces::All), &mut |_| {});
     let Err(LightError::Input(refused)) = refused else {
         panic!("not refused");
     };
@@ -577,7 +577,7 @@ fn too_many_unknowns_for_a_dense_matrix_are_refused() {
         ..settings(1e-6, Bounces::All)
     };
     // Told before the display mesh is made, which would take minutes.
-    let Err(LightError::Input(refused)) = light(&world, &settings, &mut |_, _| {}) else {
+    let Err(LightError::Input(refused)) = light(&world, &settings, &mut |_| {}) else {
         panic!("not refused");
     };
     let text = refused.to_string();

@@ -153,7 +153,7 @@ fn a_half_white_floor_lights_what_is_on_its_white_half() {
     ]
     .map(|(at, normal)| Sensor::new(at, normal).expect("a direction"));
     let readings = [&picture, &plain].map(|world| {
-        let lit = light(world, &settings, &mut |_, _| {}).expect("a bake");
+        let lit = light(world, &settings, &mut |_| {}).expect("a bake");
         let found = probe_exact(world, &lit.direct, lit.indirect.as_ref(), &sensors);
         found.iter().map(|r| r.indirect.0.0.x).collect::<Vec<f64>>()
     });
@@ -172,7 +172,7 @@ fn the_lit_file_holds_the_picture_unchanged_and_the_coordinates() {
         ..Settings::default()
     };
     let world = world(&raw);
-    let solution = light(&world, &settings, &mut |_, _| {}).expect("a bake");
+    let solution = light(&world, &settings, &mut |_| {}).expect("a bake");
     let bytes = write_glb(&solution.lit_scene());
     let picture = halves();
     assert!(bytes.windows(picture.len()).any(|part| part == picture));

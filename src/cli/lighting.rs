@@ -51,7 +51,7 @@ pub(super) fn solve<'a>(prepared: &'a Prepared, args: &SceneArgs) -> anyhow::Res
     let spent: f64 = prepared.stages.iter().map(|s| s.seconds).sum();
     let mut settings = prepared.settings.clone();
     settings.budget.seconds = settings.budget.seconds.map(|most| (most - spent).max(0.0));
-    let progress: &mut Progress = &mut |name, done| shown.show(name, done);
+    let progress: &mut Progress = &mut |step| shown.show(step);
     let solved = light(&prepared.world, &settings, progress);
     shown.finish();
     let mut solution = solved?;

@@ -1,10 +1,12 @@
 //! Progress: a bar on a terminal; in a log, when more is asked for, a line for each stage.
 
+use super::table::percent;
 use super::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::Cell;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
+use umbrage::pipeline::{Measured, Step};
 
 /// What there is to see of the stage that is running.
 pub(super) enum Shown {
@@ -51,8 +53,16 @@ impl Shown {
         Self::Bar(bar)
     }
 
+    /// Shows the stage that is at work, and says what was missed.
+    pub(super) fn show(&self, step: Step) {
+        match step {
+            Step::Stage(name, done) => self.stage(name, done),
+            Step::Missed(measured) => self.say(&missed(measured)),
+        }
+    }
+
     /// Shows stage `name`, done to the share `done` (0…1) where that is known.
-    pub(super) fn show(&self, name: &'static str, done: Option<f64>) {
+    fn stage(&self, name: &'static str, done: Option<f64>) {
         match self {
             Self::Bar(bar) => {
                 bar.set_message(name);
@@ -76,12 +86,29 @@ impl Shown {
         }
     }
 
+    /// Leaves `what` on the screen.
+    fn say(&self, what: &str) {
+        match self {
+            Self::Bar(bar) => bar.println(what),
+            Self::Log(log) => log.line(what),
+            Self::Silent => {}
+        }
+    }
+
     /// Clears the bar.
     pub(super) fn finish(self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
     }
+}
+
+fn missed(m: &Measured) -> String {
+    let [whole, mesh, field] =
+        [m.relative_rms, m.relative_rms_mesh, m.relative_rms_field].map(percent);
+    format!(
+        "measured {whole}, more than was asked for (display mesh {mesh}, indirect field {field}): refining again"
+    )
 }
 
 impl Log {

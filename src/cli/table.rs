@@ -204,7 +204,7 @@ fn count(n: usize, noun: &str) -> String {
 }
 
 /// Two decimals of a per cent.
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 

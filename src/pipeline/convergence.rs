@@ -53,7 +53,7 @@ pub fn convergence(
                 ..settings.clone()
             };
             let start = Instant::now();
-            let solution = light(world, &settings, &mut |_, _| {})?;
+            let solution = light(world, &settings, &mut |_| {})?;
             let (elements, measured) = (solution.summary.elements, solution.summary.measured);
             // A uniform mesh that was cut off does not get better by asking for more.
             let is_same = |r: &ConvergenceRow| r.meshing == meshing && r.elements == elements;

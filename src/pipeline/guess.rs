@@ -229,7 +229,7 @@ mod tests {
             ..Settings::default()
         };
         let world = World::new(raw, &settings).expect("a scene");
-        let solution = light(&world, &settings, &mut |_, _| ()).expect("it can be lit");
+        let solution = light(&world, &settings, &mut |_| ()).expect("it can be lit");
         let lit = solution.receivers.iter().filter(|r| r.is_lit);
         let lit: Vec<_> = lit.map(|r| (r.domain.face, r.domain.side)).collect();
         let sides = receiver_sides(&world.scene);

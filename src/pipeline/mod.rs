@@ -1,5 +1,6 @@
 //! The recipe: a scene in, lit meshes out, one step a line.
 
+mod aim;
 mod conform;
 mod convergence;
 mod energy;
@@ -42,11 +43,12 @@ use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
 use crate::settings::Settings;
 use crate::visibility::Blockers;
 use crate::warning::Warning;
+use aim::Aim;
 use guess::guess;
 use indirect::Rooms;
 use lit::lit_sides;
 pub use stages::MEASURE_SLACK;
-use stages::{Aim, Mesher, Run};
+use stages::{Mesher, Run};
 use std::sync::Arc;
 
 /// Why a scene could not be lit.
@@ -96,8 +98,17 @@ impl World {
     }
 }
 
-/// What `light` tells while it works: the stage's name, and how far it is (0…1) where that is known.
-pub type Progress<'p> = dyn FnMut(&'static str, Option<f64>) + 'p;
+/// What `light` tells while it works.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'s> {
+    /// The stage that is at work, and how far it is (0…1) where that is known.
+    Stage(&'static str, Option<f64>),
+    /// The error was measured and is larger than the one asked for: another round begins.
+    Missed(&'s Measured),
+}
+
+/// Is told every [`Step`].
+pub type Progress<'p> = dyn FnMut(Step) + 'p;
 
 /// A lit world.
 pub struct Solution<'a> {

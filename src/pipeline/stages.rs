@@ -1,11 +1,12 @@
 //! The stages of a bake, one function each, and what they share: the settings, the budget, the clock and the summary.
 
-use super::evidence::{Evidence, Expected};
+use super::aim::Aim;
+use super::evidence::Evidence;
 use super::guess::Guess;
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
 use super::measure::{default_samples, measure};
-use super::{LightError, Measured, Progress, Solution, Summary, World, domain, mean_of};
+use super::{LightError, Measured, Progress, Solution, Step, Summary, World, domain, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::budget::{Limit, Meter};
@@ -34,30 +35,12 @@ const LINE_CHORD: f64 = 0.1;
 /// Pairs of neighbouring points whose outlines of the emitters are compared, to tell whether lines were missed.
 const OUTLINE_PAIRS: usize = 200;
 
-/// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
-/// squares, and the rest is left to the solution.
-const DISPLAY_SHARE: f64 = 0.8;
-const FIELD_SHARE: f64 = 0.4;
-
-/// The same where gathers are dear and rays have a share in their error.
-const CROWDED_DISPLAY_SHARE: f64 = 0.7;
-const CROWDED_FIELD_SHARE: f64 = 0.5;
-
-/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
-const DIRECT_SHARE: f64 = 0.9;
-
 /// A measured error that exceeds the one asked for by less than this share is let be: it is known to a few per cent, and
 /// another round costs as much as all before.
 pub const MEASURE_SLACK: f64 = 0.05;
 
 /// So many times the points at which a mesh is first measured tell whether it has to be better.
 const MORE_POINTS: u32 = 4;
-
-/// Share of the error asked for that is aimed at once it has been missed.
-const AIM_AGAIN: f64 = 0.9;
-
-/// A part is asked for no less than this share of what it is: half in squares. A bright spot or two may have made it so much.
-const LEAST_STEP: f64 = 0.7;
 
 /// The mesh is refined again at most so often when the measured error exceeds the one asked for.
 const MAX_ROUNDS: usize = 4;
@@ -76,68 +59,6 @@ const CORRECTED_SLACK: f64 = 1.25;
 
 /// Corrections at most, a round.
 const MAX_CORRECTIONS: usize = 8;
-
-/// What the parts of a bake may be off by, as shares of the error asked for.
-pub(super) struct Aim {
-    pub(super) mesher: Mesher,
-    /// Interpolation over the display mesh, and the most that it may be found to be off by.
-    pub(super) display: f64,
-    pub(super) most_display: f64,
-    /// The indirect field, and the most that it may be found to be off by.
-    pub(super) field: f64,
-    pub(super) most_field: f64,
-    /// What the weakest emitters at a point may together be off by, W/m².
-    pub(super) weak: f64,
-}
-
-impl Aim {
-    /// For the shares of a scene whose indirect light is solved for on `mesh`, if there is any.
-    pub(super) fn new(mesher: Mesher, mesh: Option<&SolveMesh>, weak: f64) -> Self {
-        // Alone the mesh may use it all: what the estimate missed has been measured then.
-        let (display, most_display, field) = match mesh {
-            None => (DIRECT_SHARE, 1.0, FIELD_SHARE),
-            Some(mesh) if mesh.is_crowded() => (
-                CROWDED_DISPLAY_SHARE,
-                CROWDED_DISPLAY_SHARE,
-                CROWDED_FIELD_SHARE,
-            ),
-            Some(_) => (DISPLAY_SHARE, DISPLAY_SHARE, FIELD_SHARE),
-        };
-        Self {
-            mesher,
-            display,
-            most_display,
-            field,
-            most_field: field,
-            weak,
-        }
-    }
-
-    /// Asks for as much more as the measured error is too large, of the parts that were found to be off by more than their share:
-    /// of each in proportion to that. The estimates then fall as the errors have to; they are `expected` to be what they are by now.
-    fn ask_more(&mut self, error: f64, measured: &Measured, expected: Expected) {
-        let found = [measured.relative_rms_mesh, measured.relative_rms_field];
-        let allowed = [self.most_display, self.most_field].map(|share| share * error);
-        let excess = [0, 1].map(|i| (found[i].powi(2) - allowed[i].powi(2)).max(0.0));
-        let over = measured.relative_rms.powi(2) - (AIM_AGAIN * error).powi(2);
-        let all = excess[0] + excess[1];
-        let more = |i: usize, share: f64, expected: f64| {
-            let expected = expected / error;
-            if excess[i] > 0.0 {
-                let left = 1.0 - excess[i] * (over / all).min(1.0) / found[i].powi(2);
-                expected * left.sqrt().max(LEAST_STEP)
-            } else if all > 0.0 {
-                // It is good enough, whatever is expected of it.
-                share.max(expected)
-            } else {
-                // What is off without being in either part is not known from here: a little less of both.
-                share * AIM_AGAIN
-            }
-        };
-        let display = more(0, self.display, expected.mesh);
-        (self.display, self.field) = (display, more(1, self.field, expected.field));
-    }
-}
 
 /// One bake while it runs.
 pub(super) struct Run<'r, 'p> {
@@ -299,6 +220,8 @@ impl<'r, 'p> Run<'r, 'p> {
             if is_met || summary.stopped_by.is_some() {
                 break;
             }
+            summary.missed.push(measured);
+            self.clock.tell(Step::Missed(&measured));
             let expected = evidence.teach(solution, measured.mean);
             aim.ask_more(settings.error, &measured, expected);
         }
@@ -474,15 +397,19 @@ impl<'c, 'p> Clock<'c, 'p> {
 
     fn start(&mut self, name: &'static str, summary: &mut Summary) {
         self.finish(summary);
-        (self.progress)(name, None);
+        self.tell(Step::Stage(name, None));
         self.open = Some((name, Instant::now()));
     }
 
     /// `error` is what the estimate has come down to, relative to what is asked for: progress on a logarithmic scale.
     fn tick(&mut self, share: f64) {
         if let Some((name, _)) = self.open {
-            (self.progress)(name, Some(share));
+            self.tell(Step::Stage(name, Some(share)));
         }
+    }
+
+    fn tell(&mut self, step: Step) {
+        (self.progress)(step);
     }
 
     fn finish(&mut self, summary: &mut Summary) {

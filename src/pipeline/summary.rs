@@ -87,6 +87,8 @@ pub struct Summary {
     pub stopped_by: Option<&'static str>,
     /// Rounds of refine and measure.
     pub rounds: usize,
+    /// What was measured at the end of each round that another followed.
+    pub missed: Vec<Measured>,
     /// Stages in order.
     pub stages: Vec<Stage>,
     /// What was left out.

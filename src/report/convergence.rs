@@ -4,7 +4,7 @@ use super::methods::{BASES, Basis, MESH_METHODS, MeshMethod, SOLVE_METHODS, Solv
 use super::record::{Record, Work};
 use super::scenes::ReportScene;
 use crate::adapt::Receiver;
-use crate::pipeline::{LeftOut, LightError, LineCount, Solution, Stage, World, light};
+use crate::pipeline::{LeftOut, LightError, LineCount, Solution, Stage, Step, World, light};
 use crate::quantity::Irradiance;
 use crate::radiosity::Bounces;
 use crate::settings::Settings;
@@ -246,8 +246,10 @@ impl<'w> Runner<'w> {
                 peaks.push((name, bytes));
             }
         };
-        let solution = light(self.world, settings, &mut |name, _| {
-            if open != Some(name) {
+        let solution = light(self.world, settings, &mut |step| {
+            if let Step::Stage(name, _) = step
+                && open != Some(name)
+            {
                 close(open.replace(name));
             }
         })?;

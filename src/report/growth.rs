@@ -54,7 +54,7 @@ pub fn growth(tell: &mut dyn FnMut(&str)) -> Result<Vec<GrowthRow>, LightError> 
         for n in sizes {
             tell(&format!("growth: {family} {n}"));
             let world = World::new(&make(n), &settings)?;
-            let s = light(&world, &settings, &mut |_, _| {})?.summary;
+            let s = light(&world, &settings, &mut |_| {})?.summary;
             let stages = s.stages.iter().filter(|t| t.name != "measure");
             rows.push(GrowthRow {
                 family,

@@ -133,7 +133,7 @@ impl StabilityCase {
             ..Settings::default()
         };
         let world = World::new(&self.raw, &settings)?;
-        let solution = light(&world, &settings, &mut |_, _| {})?;
+        let solution = light(&world, &settings, &mut |_| {})?;
         let lit = || solution.receivers.iter().filter(|r| r.is_lit);
         let values =
             || lit().flat_map(|r| (0..r.mesh.site_vertices.len()).map(|s| r.site_total(s).0));

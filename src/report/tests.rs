@@ -37,7 +37,7 @@ fn errors_are_those_that_the_program_measures_by_itself() {
         ..Settings::default()
     };
     let world = World::new(&square_over_square(), &settings).unwrap();
-    let own = light(&world, &settings, &mut |_, _| {}).unwrap().summary;
+    let own = light(&world, &settings, &mut |_| {}).unwrap().summary;
     let row = |mesh: &str, basis: &str| {
         let is_it = |r: &&Record| r.mesh == mesh && r.basis == basis;
         found.records.iter().find(is_it).unwrap()

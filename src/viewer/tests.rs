@@ -12,7 +12,7 @@ fn with_solution(check: impl FnOnce(&Solution)) {
         ..Settings::default()
     };
     let world = World::new(&cornell_box(), &settings).unwrap();
-    check(&light(&world, &settings, &mut |_, _| {}).unwrap());
+    check(&light(&world, &settings, &mut |_| {}).unwrap());
 }
 
 /// The data of a page, read as a browser does.

@@ -42,7 +42,7 @@ pub(crate) fn settings(error: f64, bounces: Bounces) -> Settings {
 
 /// Lights `world` to the relative error `error`.
 pub(crate) fn bake(world: &World, error: f64, bounces: Bounces) -> Solution<'_> {
-    light(world, &settings(error, bounces), &mut |_, _| {}).unwrap_or_else(|e| panic!("{e}"))
+    light(world, &settings(error, bounces), &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A point of a display mesh.

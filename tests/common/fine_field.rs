@@ -83,6 +83,11 @@ impl<'a> FineField<'a> {
         Some(Self { field })
     }
 
+    /// What was solved.
+    pub(crate) fn field(&self) -> &IndirectField<'a> {
+        &self.field
+    }
+
     /// A gatherer for [`FineField::irradiance`].
     pub(crate) fn gatherer(&self) -> Gatherer<'_> {
         self.field.gatherer()

@@ -1,11 +1,10 @@
 //! What a bake shows against what is there.
 
 use crate::common::bake::{SurfacePoint, surface_points};
-use crate::common::fine_field::FineField;
 use rayon::prelude::*;
 use umbrage::pipeline::Solution;
 use umbrage::quantity::Irradiance;
-use umbrage::radiosity::Gatherer;
+use umbrage::radiosity::{Gatherer, IndirectField};
 use umbrage::visibility::Scratch;
 
 /// Errors relative to the mean irradiance.
@@ -38,7 +37,7 @@ impl Errors {
     /// Measures at `count` points; without a finer solution the bake's own counts as exact.
     pub(super) fn measure(
         solution: &Solution,
-        fine: Option<&FineField>,
+        fine: Option<&IndirectField>,
         count: usize,
         seed: u64,
     ) -> Self {
@@ -46,7 +45,7 @@ impl Errors {
         let tools = || Tools {
             scratch: Scratch::default(),
             own: solution.indirect.as_ref().map(|f| f.gatherer()),
-            finer: fine.map(FineField::gatherer),
+            finer: fine.map(IndirectField::gatherer),
         };
         let found: Vec<Differences> = points
             .par_iter()
@@ -71,7 +70,7 @@ impl Errors {
 
 fn differences(
     solution: &Solution,
-    fine: Option<&FineField>,
+    fine: Option<&IndirectField>,
     p: &SurfacePoint,
     tools: &mut Tools,
 ) -> Differences {
@@ -83,7 +82,7 @@ fn differences(
         _ => Irradiance::ZERO,
     };
     let finer = match (fine, &mut tools.finer) {
-        (Some(field), Some(gatherer)) => field.irradiance(gatherer, &view),
+        (Some(field), Some(gatherer)) => field.gather(gatherer, &view),
         _ => own,
     };
     let sites = receiver.mesh.sites[p.element].map(|s| receiver.direct[s as usize]);

@@ -42,7 +42,7 @@ fn cells_follow_the_light_where_something_is_close() {
     let shares = asked.map(|asked| {
         let solution = bake(&world, asked, Bounces::All);
         let fine = FineField::new(&solution, 1500.0);
-        Errors::measure(&solution, fine.as_ref(), 4000, 7).solution / asked
+        Errors::measure(&solution, fine.as_ref().map(FineField::field), 4000, 7).solution / asked
     });
     let mean_square = shares.iter().map(|s| s * s).sum::<f64>() / shares.len() as f64;
     assert!(mean_square.sqrt() < 0.75, "{shares:?}");

@@ -83,7 +83,7 @@ fn lines_that_meshes_hold_are_breaks() {
             bounces: Bounces::Count(0),
             ..Settings::default()
         };
-        let solution = light(&world, &settings, &mut |_, _| {}).expect("the scene can be lit");
+        let solution = light(&world, &settings, &mut |_| {}).expect("the scene can be lit");
         for receiver in &solution.receivers {
             for (i, _) in receiver.kept() {
                 let line = &receiver.lines.candidates[i];

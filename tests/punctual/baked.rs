@@ -119,8 +119,8 @@ fn a_file_with_a_light_is_baked_and_probed() {
         raw.warnings
     );
     let world = crate::common::bake::clean(&raw);
-    let solution = light(&world, &settings(0.02, Bounces::All), &mut |_, _| {})
-        .unwrap_or_else(|e| panic!("{e}"));
+    let solution =
+        light(&world, &settings(0.02, Bounces::All), &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
     // 683 cd are 1 W/sr: E = 1/2² right below.
     let sensor = Sensor::new(DVec3::ZERO, DVec3::Y).expect("a direction");
     let exact = probe_exact(&world, &solution.direct, None, &[sensor])[0];

@@ -1,0 +1,167 @@
+//! What each part of a bake may be off by so that the whole is as good as asked.
+
+use super::Measured;
+use super::evidence::Expected;
+use super::stages::Mesher;
+use crate::radiosity::SolveMesh;
+
+/// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
+/// squares, and the rest is left to the solution.
+const DISPLAY_SHARE: f64 = 0.8;
+const FIELD_SHARE: f64 = 0.4;
+
+/// The same where gathers are dear and rays have a share in their error.
+const CROWDED_DISPLAY_SHARE: f64 = 0.7;
+const CROWDED_FIELD_SHARE: f64 = 0.5;
+
+/// Share of the display mesh where there is no indirect light: the rest covers what the samples of the estimate miss.
+const DIRECT_SHARE: f64 = 0.9;
+
+/// Share of the error asked for that is aimed at once it has been missed.
+const AIM_AGAIN: f64 = 0.9;
+
+/// A part is asked for no less than this share of what it is: half in squares. A bright spot or two may have made it so much.
+const LEAST_STEP: f64 = 0.7;
+
+/// What the parts of a bake may be off by, as shares of the error asked for.
+pub(super) struct Aim {
+    pub(super) mesher: Mesher,
+    /// Interpolation over the display mesh, and the most that it may be found to be off by.
+    pub(super) display: f64,
+    pub(super) most_display: f64,
+    /// The indirect field, and the most that it may be found to be off by.
+    pub(super) field: f64,
+    pub(super) most_field: f64,
+    /// What the weakest emitters at a point may together be off by, W/m².
+    pub(super) weak: f64,
+}
+
+impl Aim {
+    /// For the shares of a scene whose indirect light is solved for on `mesh`, if there is any.
+    pub(super) fn new(mesher: Mesher, mesh: Option<&SolveMesh>, weak: f64) -> Self {
+        // Alone the mesh may use it all: what the estimate missed has been measured then.
+        let (display, most_display, field) = match mesh {
+            None => (DIRECT_SHARE, 1.0, FIELD_SHARE),
+            Some(mesh) if mesh.is_crowded() => (
+                CROWDED_DISPLAY_SHARE,
+                CROWDED_DISPLAY_SHARE,
+                CROWDED_FIELD_SHARE,
+            ),
+            Some(_) => (DISPLAY_SHARE, DISPLAY_SHARE, FIELD_SHARE),
+        };
+        Self {
+            mesher,
+            display,
+            most_display,
+            field,
+            most_field: field,
+            weak,
+        }
+    }
+
+    /// Asks for as much more as the measured error is too large, of the parts that were found to be off by more than their share:
+    /// of each in proportion to that. The estimates then fall as the errors have to; they are `expected` to be what they are by now.
+    pub(super) fn ask_more(&mut self, error: f64, measured: &Measured, expected: Expected) {
+        let found = [measured.relative_rms_mesh, measured.relative_rms_field];
+        let allowed = [self.most_display, self.most_field].map(|share| share * error);
+        let excess = [0, 1].map(|i| (found[i].powi(2) - allowed[i].powi(2)).max(0.0));
+        let over = measured.relative_rms.powi(2) - (AIM_AGAIN * error).powi(2);
+        let all = excess[0] + excess[1];
+        let more = |i: usize, share: f64, expected: f64| {
+            let expected = expected / error;
+            if excess[i] > 0.0 {
+                let left = 1.0 - excess[i] * (over / all).min(1.0) / found[i].powi(2);
+                expected * left.sqrt().max(LEAST_STEP)
+            } else if all > 0.0 {
+                // It is good enough, whatever is expected of it.
+                share.max(expected)
+            } else {
+                // What is off without being in either part is not known from here: a little less of both.
+                share * AIM_AGAIN
+            }
+        };
+        let display = more(0, self.display, expected.mesh);
+        (self.display, self.field) = (display, more(1, self.field, expected.field));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adapt::Meshing;
+
+    const ERROR: f64 = 0.01;
+
+    fn aim() -> Aim {
+        let meshing = Meshing::Adaptive;
+        let mesher = Mesher {
+            meshing,
+            spacing: 1.0,
+        };
+        Aim {
+            display: 0.6,
+            most_display: 0.8,
+            field: 0.3,
+            most_field: 0.4,
+            ..Aim::new(mesher, None, 0.0)
+        }
+    }
+
+    /// The shares of the display mesh and of the field once those were found to be off by so much, and both estimates were right.
+    fn shares(mesh: f64, field: f64) -> [f64; 2] {
+        let measured = Measured {
+            relative_rms: mesh.hypot(field),
+            relative_rms_mesh: mesh,
+            relative_rms_field: field,
+            ..Measured::default()
+        };
+        let mut aim = aim();
+        aim.ask_more(ERROR, &measured, Expected { mesh, field });
+        [aim.display, aim.field]
+    }
+
+    #[test]
+    fn only_the_part_that_is_too_large_is_asked_for_less_and_the_whole_is_met_then() {
+        let [display, field] = shares(0.011, 0.002);
+        // What is good enough is not refined.
+        assert_eq!(field, 0.3);
+        let whole = (ERROR * display).hypot(0.002);
+        assert!((whole - AIM_AGAIN * ERROR).abs() < 1e-12, "{whole}");
+        let [display, field] = shares(0.005, 0.0105);
+        assert_eq!(display, 0.6);
+        let whole = (ERROR * field).hypot(0.005);
+        assert!((whole - AIM_AGAIN * ERROR).abs() < 1e-12, "{whole}");
+    }
+
+    #[test]
+    fn of_two_parts_each_is_asked_for_less_by_as_much_as_it_is_too_large() {
+        let [display, field] = shares(0.011, 0.005);
+        let excess = |found: f64, share: f64, now: f64| {
+            (found.powi(2) - (now * ERROR).powi(2)) / (found.powi(2) - (share * ERROR).powi(2))
+        };
+        let [mesh, field] = [excess(0.011, 0.8, display), excess(0.005, 0.4, field)];
+        assert!((mesh - field).abs() < 1e-9, "{mesh} {field}");
+    }
+
+    #[test]
+    fn no_step_is_too_large_and_what_is_in_neither_part_makes_both_a_little_less() {
+        let [display, _] = shares(0.1, 0.002);
+        assert!(
+            (display - LEAST_STEP * 0.1 / ERROR).abs() < 1e-12,
+            "{display}"
+        );
+        let measured = Measured {
+            relative_rms: 0.0107,
+            relative_rms_mesh: 0.0079,
+            relative_rms_field: 0.0039,
+            ..Measured::default()
+        };
+        let mut aim = aim();
+        let expected = Expected {
+            mesh: 0.006,
+            field: 0.003,
+        };
+        aim.ask_more(ERROR, &measured, expected);
+        assert_eq!([aim.display, aim.field], [0.6, 0.3].map(|s| s * AIM_AGAIN));
+    }
+}

@@ -18,6 +18,7 @@ use super::event::Search;
 use super::landing::Landing;
 use super::wedge::{self, Cut};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
+use crate::budget::Meter;
 use crate::direct::{DirectLight, EmitterPolygon};
 use crate::geom::Plane;
 use crate::scene::{EmitterId, FaceId, FaceSide, Scene};
@@ -27,12 +28,13 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
-/// The lines of all faces' planes, for all emitters.
-pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
+/// The lines of all faces' planes, for all emitters; of those that are left when time is up, none.
+pub(super) fn find(search: &Search, meter: &Meter) -> Vec<Discontinuity> {
     let (scene, light) = (search.scene, search.light);
     let faces: Vec<FaceId> = scene.faces.ids().collect();
     let found: Vec<Vec<Discontinuity>> = faces
         .par_iter()
+        .filter(|_| !meter.is_late())
         .map(|&face| {
             let mut out = Vec::new();
             for polygons in light.polygons.chunk_by(|a, b| a.emitter == b.emitter) {

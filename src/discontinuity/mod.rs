@@ -311,7 +311,7 @@ pub fn find_lines_within(
     for s in horizon::find(scene, light) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
-    for s in edge_on::find(&search) {
+    for s in edge_on::find(&search, meter) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
     for s in contact::find(scene, light) {

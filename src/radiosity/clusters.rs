@@ -176,6 +176,11 @@ impl Sources {
         }
     }
 
+    /// A bound of what all sides send, W.
+    pub(super) fn power(&self) -> f64 {
+        self.powers.last().map_or(0.0, |root| root.total)
+    }
+
     /// The largest radiosity that side `f` of `mesh` may have, W/m².
     pub(super) fn brightest(&self, mesh: &SolveMesh, f: usize) -> f64 {
         brightest(&mesh.faces[f], &self.faces[f], self.ambient)
@@ -188,6 +193,7 @@ fn brightest(face: &SolveFace, light: &FaceLight, ambient: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sweep::RAYS;
     use super::super::tests::cube_mesh;
     use super::*;
 
@@ -220,6 +226,7 @@ mod tests {
     fn none_is_cut_where_rays_will_do_or_there_is_no_light() {
         let few = Sweep {
             noise: f64::INFINITY,
+            rays: RAYS,
         };
         assert!(cut(2.0, Some(few)).is_empty());
         assert!(cut(0.0, None).is_empty());

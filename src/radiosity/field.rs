@@ -29,7 +29,7 @@ use super::held::Held;
 use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
-use super::sweep::Sweep;
+use super::sweep::{RAYS, Sweep};
 use super::{
     Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
 };
@@ -121,6 +121,8 @@ pub struct IndirectField<'a> {
 struct Accuracy {
     link: f64,
     ray: f64,
+    /// Rays of an even set at first, where there are such.
+    sweep: u32,
 }
 
 impl Accuracy {
@@ -128,6 +130,7 @@ impl Accuracy {
         Self {
             link: self.link * factor,
             ray: self.ray * factor,
+            ..self
         }
     }
 }
@@ -154,7 +157,10 @@ fn oracle<'s>(mesh: &SolveMesh, sources: &'s Sources, accuracy: Accuracy) -> Ora
         sources,
         link: LINK_SHARE * accuracy.link,
         ray: if is_crowded { ray } else { 0.0 },
-        sweep: (is_crowded && ray > 0.0).then_some(Sweep { noise: ray }),
+        sweep: (is_crowded && ray > 0.0).then_some(Sweep {
+            noise: ray,
+            rays: accuracy.sweep,
+        }),
     }
 }
 
@@ -173,6 +179,7 @@ impl Coarse<'_> {
         Accuracy {
             link: self.error,
             ray: self.error / self.loss,
+            sweep: RAYS,
         }
     }
 

@@ -10,7 +10,7 @@ use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
 use super::clusters::Sources;
 use super::kernel::{Basis, Corner, split};
-use super::sweep::{RAYS, Sweep, met};
+use super::sweep::{Sweep, met};
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
 use crate::mesh::barycentric;
@@ -141,8 +141,8 @@ impl<'a> Gatherer<'a> {
         for &f in &cut {
             self.side(view, oracle, f, sink);
         }
-        if oracle.sweep.is_some() {
-            self.swept(view, oracle, sink);
+        if let Some(sweep) = oracle.sweep {
+            self.swept(view, oracle, sweep.rays, sink);
         }
         for f in cut.drain(..) {
             self.is_cut[f] = false;
@@ -200,10 +200,11 @@ impl<'a> Gatherer<'a> {
         &self,
         view: &Viewpoint,
         oracle: &Oracle,
+        rays: u32,
         sink: &mut impl FnMut(usize, usize, [f64; 3]),
     ) {
-        let share = 1.0 / f64::from(RAYS);
-        for (face, side, point) in met(self.blockers, view, 0..RAYS) {
+        let share = 1.0 / f64::from(rays);
+        for (face, side, point) in met(self.blockers, view, 0..rays) {
             let Some(f) = self.mesh.number(face, side).filter(|&f| !self.is_cut[f]) else {
                 continue;
             };

@@ -11,11 +11,24 @@ use std::ops::Range;
 /// and 31 000 triangles a gather costs about the same from 128 to 512 rays, and 1.7 to 3 times as much with 4 096.
 pub(super) const RAYS: u32 = 256;
 
+/// And no fewer, however faint all light is.
+const FEWEST_RAYS: f64 = 16.0;
+
+/// Rays for a `part` of the `whole` of the light (both W) that is to be right to as much as that: what they are wrong by falls in
+/// proportion to the light, and about what is large with the power ¾ of their number ([`Sweep::noise_of`]).
+pub(super) fn rays_for(part: f64, whole: f64) -> u32 {
+    let share = if whole > 0.0 { part / whole } else { 0.0 };
+    let most = f64::from(RAYS);
+    (most * share.powf(4.0 / 3.0)).clamp(FEWEST_RAYS, most) as u32
+}
+
 /// When the rays will not do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sweep {
     /// A side about which they may be wrong by more than this (W/m²) is cut exactly.
     pub(super) noise: f64,
+    /// Their number.
+    pub(super) rays: u32,
 }
 
 impl Sweep {
@@ -35,7 +48,7 @@ impl Sweep {
 
     /// Whether the rays will do for such a source.
     pub(super) fn is_enough(self, brightest: f64, arriving: f64) -> bool {
-        Self::noise_of(brightest, arriving, RAYS) <= self.noise
+        Self::noise_of(brightest, arriving, self.rays) <= self.noise
     }
 }
 
@@ -74,6 +87,17 @@ fn direction(n: DVec3, i: u32) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_less_light_the_fewer_rays() {
+        assert_eq!([2.0, 6.0].map(|part| rays_for(part, 2.0)), [RAYS; 2]);
+        let rays = rays_for(1.0, 2.0);
+        assert!(rays < RAYS / 2);
+        let [all, half] = [(1.0, RAYS), (0.5, rays)]
+            .map(|(light, rays)| Sweep::noise_of(light, 0.3 * light, rays));
+        assert!((half / all - 1.0).abs() < 0.02, "{half} of {all}");
+        assert_eq!(rays_for(0.0, 0.0), FEWEST_RAYS as u32);
+    }
 
     /// Share of the rays that meet the disc of form factor `f` around the normal: `sin² θ ≤ f`.
     fn disc(f: f64, rays: u32) -> f64 {

@@ -9,9 +9,10 @@ use super::super::clusters::Sources;
 use super::super::field_face::{CellLink, Gathered, Point, Source};
 use super::super::gather::{Gatherer, Gatherers};
 use super::super::solve::Transport;
+use super::super::sweep::rays_for;
 use super::super::walk::spread;
 use super::super::{Bounces, SolveFace};
-use super::{Coarse, IndirectField, LINK_SHARE, residual};
+use super::{Accuracy, Coarse, IndirectField, LINK_SHARE, residual};
 use crate::quantity::{Irradiance, Radiosity};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -25,6 +26,8 @@ struct Correction<'c, 'a> {
     transport: &'c Transport,
     gatherers: Gatherers<'c>,
     change: Sources,
+    /// Rays of an even set that tell as much of it as of all light.
+    rays: u32,
     /// Irradiance from it at the nodes of the solution.
     at_nodes: Vec<Irradiance>,
 }
@@ -43,11 +46,13 @@ impl IndirectField<'_> {
         let (change, all) = self.relight(direct);
         let all = self.transport.field(&all);
         let at_nodes = self.transport.gather_all(&change);
+        let change = Sources::new(&self.solution.mesh, change, 0.0);
         let correction = Correction {
             solution: &self.solution,
             transport: &self.transport,
             gatherers: self.solution.gatherers(),
-            change: Sources::new(&self.solution.mesh, change, 0.0),
+            rays: rays_for(change.power(), self.solution.light.power()),
+            change,
             at_nodes,
         };
         let squares: Vec<f64> = self
@@ -114,7 +119,10 @@ impl IndirectField<'_> {
 impl Correction<'_, '_> {
     /// What a point of `face` receives of it.
     fn at(&self, face: &SolveFace, point: &mut Point) -> Irradiance {
-        let accuracy = self.solution.accuracy_on(face).times(CORRECTION_ACCURACY);
+        let accuracy = Accuracy {
+            sweep: self.rays,
+            ..self.solution.accuracy_on(face).times(CORRECTION_ACCURACY)
+        };
         let view = face.view(point.place);
         let is_good =
             |link: &CellLink| self.strays(link, view.position) <= LINK_SHARE * accuracy.link;

@@ -1,5 +1,6 @@
 //! The links of a room and the light that goes along them, before any of it is gathered for display.
 
+use super::super::sweep::RAYS;
 use super::{AMBIENT_SHARE, Accuracy, Request, follow_limits, oracle};
 use crate::quantity::Radiosity;
 use crate::radiosity::cells::{FaceCells, FaceLight, follow_all};
@@ -86,6 +87,7 @@ impl Room<'_> {
         let accuracy = Accuracy {
             link: accuracy,
             ray: accuracy / loss,
+            sweep: RAYS,
         };
         let oracle = oracle(mesh, &sources, accuracy);
         let (is_crowded, area) = (mesh.is_crowded(), mesh.area());

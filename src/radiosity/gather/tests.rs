@@ -5,6 +5,7 @@ use crate::mesh::FaceDomain;
 use crate::quantity::{Radiosity, Rgb};
 use crate::radiosity::Basis;
 use crate::radiosity::cells::{FollowLimits, follow_all};
+use crate::radiosity::sweep::RAYS;
 use crate::scene::{CleanSettings, FaceSide, Material, RawPolygon, RawScene, Scene, clean};
 
 const REFLECTANCE: f64 = 0.5;
@@ -110,7 +111,10 @@ fn rays_and_cutting_are_as_good_as_they_say() {
         sources: &sources,
         link: error,
         ray: error,
-        sweep: (error > 0.0).then_some(Sweep { noise: error }),
+        sweep: (error > 0.0).then_some(Sweep {
+            noise: error,
+            rays: RAYS,
+        }),
     };
     let known = gathered(&mesh, &trees, &blockers, &of(0.0));
     let mut last = f64::INFINITY;

@@ -5,4 +5,5 @@ mod crowd;
 mod fixtures;
 mod outlook;
 mod regressions;
+mod stuck;
 mod vantage;

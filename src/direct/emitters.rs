@@ -4,7 +4,7 @@ use super::form_factor_of_directions;
 use super::punctual::{irradiance_by, unoccluded_by};
 use crate::geom::{Plane, even_point_of};
 use crate::quantity::{Exitance, Irradiance};
-use crate::scene::{EmitterId, FaceId, FaceSide, PunctualLight, Scene};
+use crate::scene::{Emitter, EmitterId, FaceId, FaceSide, PunctualLight, Scene};
 use crate::visibility::{Blockers, Scratch, Screening, Seen, Target, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -126,6 +126,16 @@ pub(super) fn unoccluded_factor(
     f.max(0.0)
 }
 
+/// The corners of the convex parts of an emitter, counter-clockwise seen from where it shines to.
+pub(super) fn convex_polygons(scene: &Scene, emitter: Emitter) -> Vec<Vec<DVec3>> {
+    let parts = scene.faces[emitter.face].convex_parts.iter();
+    let corners = parts.map(|part| part.iter().map(|&v| scene.vertices[v]));
+    match emitter.side {
+        FaceSide::Front => corners.map(Iterator::collect).collect(),
+        FaceSide::Back => corners.map(|c| c.rev().collect()).collect(),
+    }
+}
+
 /// Everything needed to evaluate light straight from the emitters.
 pub struct DirectLight<'a> {
     /// The opaque world.
@@ -146,11 +156,7 @@ impl<'a> DirectLight<'a> {
             let face = &scene.faces[emitter.face];
             let exitance = Exitance::from_radiance(face.emission);
             let normal = scene.normal(emitter.face, emitter.side);
-            for part in &face.convex_parts {
-                let mut corners: Vec<DVec3> = part.iter().map(|&v| scene.vertices[v]).collect();
-                if emitter.side == FaceSide::Back {
-                    corners.reverse();
-                }
+            for corners in convex_polygons(scene, *emitter) {
                 polygons.push(EmitterPolygon {
                     emitter: id,
                     face: emitter.face,

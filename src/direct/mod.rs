@@ -6,6 +6,7 @@ mod irradiance;
 mod many;
 mod outlook;
 mod punctual;
+mod stuck;
 mod vantage;
 
 pub use crowd::Look;
@@ -13,4 +14,5 @@ pub use emitters::{DirectLight, EmitterPolygon};
 pub use irradiance::{edge_term, form_factor, form_factor_of_directions};
 pub use outlook::Outlook;
 pub use punctual::{cone_cosines, unoccluded_by};
+pub use stuck::stuck_emitters;
 pub use vantage::Vantage;

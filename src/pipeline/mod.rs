@@ -34,12 +34,12 @@ pub use summary::{LeftOut, Stage, Summary};
 
 use crate::adapt::Receiver;
 use crate::bad_input::BadInput;
-use crate::direct::DirectLight;
+use crate::direct::{DirectLight, stuck_emitters};
 use crate::discontinuity::{FaceLines, LineMap};
 use crate::lit_scene::LitScene;
 use crate::mesh::{FaceDomain, MeshError};
 use crate::radiosity::{Bounces, IndirectField};
-use crate::scene::{CleanReport, FaceId, FaceSide, RawScene, Scene, clean};
+use crate::scene::{CleanReport, FaceId, FaceSide, IdVec, RawScene, Scene, clean};
 use crate::settings::Settings;
 use crate::visibility::Blockers;
 use crate::warning::Warning;
@@ -80,7 +80,7 @@ impl World {
     /// # Errors
     /// When nothing usable is left.
     pub fn new(raw: &RawScene, settings: &Settings) -> Result<Self, BadInput> {
-        let (scene, clean, repairs) = clean(raw, &settings.clean)?;
+        let (mut scene, mut clean, repairs) = clean(raw, &settings.clean)?;
         let mut warnings = raw.warnings.clone();
         warnings.extend(repairs);
         if scene.emitters.is_empty() && scene.lights.is_empty() {
@@ -89,13 +89,37 @@ impl World {
                 "no face emits light: the result is black (set Ke or emissiveFactor on a material)",
             ));
         }
+        let blockers = Blockers::new(&scene);
+        let stuck = put_out_stuck(&mut scene, &blockers);
+        if stuck > 0 {
+            clean.emitters = scene.emitters.len();
+            let what =
+                format!("{stuck} sides that emit light lie against other faces: none leaves there");
+            warnings.push(Warning::new(&scene.source, what));
+        }
         Ok(Self {
-            blockers: Blockers::new(&scene),
+            blockers,
             scene,
             clean,
             warnings,
         })
     }
+}
+
+/// Takes from the emitters of `scene` those that lie against something else; returns their number.
+fn put_out_stuck(scene: &mut Scene, blockers: &Blockers) -> usize {
+    let stuck = stuck_emitters(scene, blockers);
+    if stuck.len() == scene.emitters.len() {
+        // None would be left: these are no bodies but rooms whose fronts look outwards.
+        return 0;
+    }
+    let emitters = scene.emitters.iter();
+    let shining: Vec<_> = emitters
+        .filter(|(id, _)| stuck.binary_search(id).is_err())
+        .map(|(_, &e)| e)
+        .collect();
+    scene.emitters = IdVec::from(shining);
+    stuck.len()
 }
 
 /// What `light` tells while it works.

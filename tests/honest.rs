@@ -37,6 +37,23 @@ fn check(name: &str, errors: &[f64], fine_elements: f64) {
 }
 
 #[test]
+fn what_is_measured_does_not_hang_on_where_the_points_fall() {
+    let world = world("box-on-table");
+    let solution = bake(&world, 0.05, Bounces::All);
+    let found: Vec<f64> = (1..13)
+        .map(|seed| solution.measure(1000, seed).relative_rms)
+        .collect();
+    let mean = found.iter().sum::<f64>() / found.len() as f64;
+    let squares = found.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+    let deviation = (squares / found.len() as f64).sqrt();
+    // By area alone it is a ninth of it.
+    assert!(deviation < 0.06 * mean, "{deviation} of {mean}: {found:?}");
+    let errors = Errors::measure(&solution, None, 4 * POINTS, 5);
+    let off = mean / errors.interpolation - 1.0;
+    assert!(off.abs() < 0.1, "{mean}, by even points {errors:?}");
+}
+
+#[test]
 fn a_floor_in_soft_shadow_is_as_good_as_asked() {
     for name in ["square-over-square", "rotated-blocker", "crossing-blockers"] {
         check(name, &[0.03, 0.01], 500.0);

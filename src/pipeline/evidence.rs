@@ -26,7 +26,8 @@ const ALIKE: f64 = 4.0;
 pub(super) struct Point {
     /// Number of the face.
     pub(super) face: usize,
-    /// Mean squares of the error, found and expected, (W/m²)².
+    /// Mean squares of the error, found and expected, (W/m²)², times the area that the point stands for over that of the mean
+    /// point.
     pub(super) found: f64,
     pub(super) expected: f64,
 }

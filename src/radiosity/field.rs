@@ -9,6 +9,7 @@
 //! solution; what it brings about is both an estimate of the solution's error and its correction. The points remember what
 //! they see, so that a correction costs next to nothing.
 
+mod accuracy;
 mod correction;
 mod estimate;
 mod room;
@@ -19,17 +20,18 @@ mod told;
 
 pub use estimate::SolutionError;
 
+use accuracy::{Accuracy, oracle};
 use room::{Room, Shot, held};
 
 use super::cells::{FaceCells, FaceLight, FollowLimits, follow_all};
 use super::clusters::Sources;
 use super::field_face::{CellLink, FieldFace, Gathered, Source, merged};
-use super::gather::{Gatherers, Oracle};
+use super::gather::Gatherers;
 use super::held::Held;
 use super::nodes::NodalField;
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
-use super::sweep::{RAYS, Sweep};
+use super::sweep::RAYS;
 use super::{
     Basis, Bounces, Gatherer, Linking, SolveFace, SolveMesh, SolveReport, Solver, TooManyUnknowns,
 };
@@ -45,11 +47,6 @@ const UNMARKED_SHARE: f64 = 0.5;
 
 /// Rounds of buying: enough for six halvings of an element, each of three steps.
 const MAX_ROUNDS: usize = 24;
-
-/// Shares of the permitted error that one link may miss by what is not linear about a cell, and one ray by what stands
-/// between (where rays are used at all). The mistakes of many add like random steps.
-const LINK_SHARE: f64 = 0.2;
-const RAY_SHARE: f64 = 0.2;
 
 /// The mistakes of rays at a point that is shown may be so many times as large: what comes back of them is a mean over many, and
 /// they are small beside what interpolation misses. In two rooms of 3 000 and 5 000 triangles gathers took .6 of the time for the
@@ -116,25 +113,6 @@ pub struct IndirectField<'a> {
     estimated_rms: f64,
 }
 
-/// How good a gather is: what is not linear about cells right to `link`, what rays say to `ray`, W/m².
-#[derive(Clone, Copy)]
-struct Accuracy {
-    link: f64,
-    ray: f64,
-    /// Rays of an even set at first, where there are such.
-    sweep: u32,
-}
-
-impl Accuracy {
-    fn times(self, factor: f64) -> Self {
-        Self {
-            link: self.link * factor,
-            ray: self.ray * factor,
-            ..self
-        }
-    }
-}
-
 /// What is gathered from.
 struct Coarse<'a> {
     mesh: SolveMesh,
@@ -147,21 +125,6 @@ struct Coarse<'a> {
     loss: f64,
     /// Area of all faces, m².
     area: f64,
-}
-
-/// How good a row or gather from `sources` has to be.
-fn oracle<'s>(mesh: &SolveMesh, sources: &'s Sources, accuracy: Accuracy) -> Oracle<'s> {
-    let is_crowded = mesh.is_crowded();
-    let ray = RAY_SHARE * accuracy.ray;
-    Oracle {
-        sources,
-        link: LINK_SHARE * accuracy.link,
-        ray: if is_crowded { ray } else { 0.0 },
-        sweep: (is_crowded && ray > 0.0).then_some(Sweep {
-            noise: ray,
-            rays: accuracy.sweep,
-        }),
-    }
 }
 
 impl Coarse<'_> {

@@ -1,7 +1,8 @@
 //! The links of a room and the light that goes along them, before any of it is gathered for display.
 
 use super::super::sweep::RAYS;
-use super::{AMBIENT_SHARE, Accuracy, Request, follow_limits, oracle};
+use super::accuracy::{Accuracy, oracle};
+use super::{AMBIENT_SHARE, Request, follow_limits};
 use crate::quantity::Radiosity;
 use crate::radiosity::cells::{FaceCells, FaceLight, follow_all};
 use crate::radiosity::clusters::Sources;

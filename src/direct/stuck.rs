@@ -114,8 +114,11 @@ fn is_inside_body(polygon: &[DVec3], way: DVec3, scene: &Scene, blockers: &Block
                 return false;
             };
             let is_back = |h: &Hit| !h.is_front;
-            let back = rays.nearest_where(origin, dir, tol, reach, is_back);
-            back.is_some_and(|back| back.t - first.t <= tol)
+            // Of two bodies that touch, the front of one may be met before the back of the other.
+            is_back(&first) || {
+                let back = rays.nearest_where(origin, dir, tol, first.t + tol, is_back);
+                back.is_some()
+            }
         })
     })
 }

@@ -23,6 +23,9 @@ const FEW: usize = 32;
 const NEAR: f64 = 0.05;
 const NEAR_DOUBT: f64 = 0.1;
 
+/// Rays to emitters that are far, at most: one path among thousands is off by more than they are.
+const MOST_ASKED: usize = 16;
+
 /// So many emitters are kept track of without allocating.
 const USUAL: usize = 32;
 
@@ -73,16 +76,43 @@ impl DirectLight<'_> {
     }
 
     /// The irradiance at `view`, W/m², right in the mean over many views with rays of their own: each emitter is seen wholly or
-    /// not, as one ray to point `ray` of an even set tells; what fills much of the sky is cut.
-    pub fn by_rays(&self, view: &Viewpoint, ray: u32, scratch: &mut Scratch) -> Irradiance {
-        let mut sum = Irradiance::ZERO;
-        for p in self.prospects(view, None, scratch) {
-            let factor = match p.factor > NEAR {
-                true => {
-                    let doubt = p.factor * NEAR_DOUBT;
-                    self.factor_within(doubt, ray, &p, view, scratch).value
-                }
-                false => self.factor_by_ray(&p, view, p.polygon.point(ray)),
+    /// not, as one ray to point `ray` of an even set tells; what fills much of the sky is cut. Of more emitters than rays are worth
+    /// those are asked that `choice` (0…1) falls on, in proportion to what they may give.
+    pub fn by_rays(
+        &self,
+        view: &Viewpoint,
+        ray: u32,
+        choice: impl FnOnce() -> f64,
+        scratch: &mut Scratch,
+    ) -> Irradiance {
+        let prospects = self.prospects(view, None, scratch);
+        let is_far = |p: &&Prospect| p.factor <= NEAR;
+        let (mut count, mut light) = (0, 0.0);
+        for p in prospects.iter().filter(is_far) {
+            count += 1;
+            light += p.light;
+        }
+        // Rays as far apart in the light of one emitter after the other: each stands for so much of it.
+        let step = light / MOST_ASKED as f64;
+        let are_all_asked = count <= MOST_ASKED;
+        let mut next = if are_all_asked { 0.0 } else { step * choice() };
+        let (mut sum, mut before) = (Irradiance::ZERO, 0.0);
+        for p in &prospects {
+            let factor = if !is_far(&p) {
+                let doubt = p.factor * NEAR_DOUBT;
+                self.factor_within(doubt, ray, p, view, scratch).value
+            } else {
+                before += p.light;
+                let worth = match are_all_asked {
+                    true => 1.0,
+                    false if next >= before => continue,
+                    false => {
+                        let rays = ((before - next) / step).ceil();
+                        next += rays * step;
+                        rays * step / p.light
+                    }
+                };
+                worth * self.factor_by_ray(p, view, p.polygon.point(ray))
             };
             sum += Irradiance(p.polygon.exitance.0 * factor);
         }

@@ -1,5 +1,6 @@
 //! Whether lines were missed: neighbouring points that see different outlines of an emitter have a line between them.
 
+use super::reach::Reach;
 use super::{Discontinuity, FaceLines, LineMap, LineTolerance, Outline};
 use crate::direct::DirectLight;
 use crate::scene::{FaceId, FaceSide, Scene};
@@ -22,7 +23,7 @@ const STEPS: [f64; 3] = [
 /// What comparing neighbours told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct OutlineCheck {
-    /// Pairs of points, once for each emitter.
+    /// Pairs of points, once for each emitter within whose reach they are.
     pub pairs: usize,
     /// Pairs that see different outlines.
     pub changed: usize,
@@ -54,6 +55,12 @@ pub fn check_outlines(
             }
         }
     }
+    let check = Check {
+        scene,
+        light,
+        reach: Reach::new(scene, tolerance.least),
+        tolerance,
+    };
     let checks: Vec<OutlineCheck> = (0..if triangles.is_empty() { 0 } else { count })
         .into_par_iter()
         .map(|i| {
@@ -66,15 +73,7 @@ pub fn check_outlines(
             let [a, b, c] = scene.faces[face].triangles[triangle].map(|v| scene.vertices[v]);
             let root = s.sqrt();
             let p = a * (1.0 - root) + b * (root * (1.0 - t)) + c * (root * t);
-            compare(
-                scene,
-                light,
-                lines.of(face, side),
-                (face, side),
-                p,
-                turn,
-                tolerance,
-            )
+            check.compare(lines.of(face, side), (face, side), p, turn)
         })
         .collect();
     checks
@@ -86,57 +85,72 @@ pub fn check_outlines(
         })
 }
 
-/// Compares a point of a face with one a step away.
-fn compare(
-    scene: &Scene,
-    light: &DirectLight,
-    lines: &FaceLines,
-    (face, side): (FaceId, FaceSide),
-    p: DVec3,
-    turn: f64,
+/// What all pairs are compared in.
+struct Check<'c> {
+    scene: &'c Scene,
+    light: &'c DirectLight<'c>,
+    /// Emitters draw no lines that matter beyond.
+    reach: Reach,
     tolerance: LineTolerance,
-) -> OutlineCheck {
-    let f = &scene.faces[face];
-    let size = f.area.sqrt();
-    let p = f.frame.to_plane(p);
-    let q = p + DVec2::from_angle(TAU * turn) * (STEP * size);
-    let mut check = OutlineCheck::default();
-    // Both on the face, on one side of every hole.
-    let is_apart = f.outline.loops.iter().any(|l| {
-        (0..l.len()).any(|i| distance([p, q], [l[i], l[(i + 1) % l.len()]]) <= scene.weld_distance)
-    });
-    if is_apart || !f.outline.contains(q) {
-        return check;
+}
+
+impl Check<'_> {
+    /// Compares a point of a face with one a step away.
+    fn compare(
+        &self,
+        lines: &FaceLines,
+        (face, side): (FaceId, FaceSide),
+        p: DVec3,
+        turn: f64,
+    ) -> OutlineCheck {
+        let (scene, light, tolerance) = (self.scene, self.light, self.tolerance);
+        let f = &scene.faces[face];
+        let size = f.area.sqrt();
+        let p = f.frame.to_plane(p);
+        let q = p + DVec2::from_angle(TAU * turn) * (STEP * size);
+        let mut check = OutlineCheck::default();
+        // Both on the face, on one side of every hole.
+        let is_apart = f.outline.loops.iter().any(|l| {
+            let edge = |i: usize| [l[i], l[(i + 1) % l.len()]];
+            (0..l.len()).any(|i| distance([p, q], edge(i)) <= scene.weld_distance)
+        });
+        if is_apart || !f.outline.contains(q) {
+            return check;
+        }
+        let normal = scene.normal(face, side);
+        let view = |p: DVec2| Viewpoint::new(f.frame.to_space(p), normal);
+        let (from, to) = (view(p), view(q));
+        let ends = [from.position, to.position];
+        for emitter in scene.emitters.ids() {
+            if !self.reach.holds(emitter, &ends) {
+                continue;
+            }
+            let outline = |v| Outline::from_point(scene, light, emitter, (face, v));
+            check.pairs += 1;
+            if outline(&from) == outline(&to) {
+                continue;
+            }
+            check.changed += 1;
+            let is_line = |l: &Discontinuity| {
+                let ends = l.ends.map(|e| f.frame.to_plane(e));
+                distance([p, q], ends) <= 2.0 * tolerance.chord * size
+            };
+            if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
+                continue;
+            }
+            // A change that bends the light less than the lines that were left out is one of them.
+            let mut scratch = Scratch::default();
+            let mut at = |v: &Viewpoint| light.irradiance(v, &mut scratch).mean();
+            let bend = at(&from) - 2.0 * at(&view(p.midpoint(q))) + at(&to);
+            let whole = light
+                .unoccluded_from(emitter, &from, &mut Scratch::default())
+                .mean();
+            if tolerance.floor <= 0.0 || bend.abs() > tolerance.floor * whole {
+                check.missed += 1;
+            }
+        }
+        check
     }
-    let normal = scene.normal(face, side);
-    let view = |p: DVec2| Viewpoint::new(f.frame.to_space(p), normal);
-    let (from, to) = (view(p), view(q));
-    for emitter in scene.emitters.ids() {
-        let outline = |v| Outline::from_point(scene, light, emitter, (face, v));
-        check.pairs += 1;
-        if outline(&from) == outline(&to) {
-            continue;
-        }
-        check.changed += 1;
-        let is_line = |l: &Discontinuity| {
-            let ends = l.ends.map(|e| f.frame.to_plane(e));
-            distance([p, q], ends) <= 2.0 * tolerance.chord * size
-        };
-        if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
-            continue;
-        }
-        // A change that bends the light less than the lines that were left out is one of them.
-        let mut scratch = Scratch::default();
-        let mut at = |v: &Viewpoint| light.irradiance(v, &mut scratch).mean();
-        let bend = at(&from) - 2.0 * at(&view(p.midpoint(q))) + at(&to);
-        let whole = light
-            .unoccluded_from(emitter, &from, &mut Scratch::default())
-            .mean();
-        if tolerance.floor <= 0.0 || bend.abs() > tolerance.floor * whole {
-            check.missed += 1;
-        }
-    }
-    check
 }
 
 /// Distance between two segments of the plane.

@@ -134,7 +134,7 @@ impl<'a> Search<'a> {
                 edges
             })
             .collect::<Vec<_>>();
-        let reach = Reach::new(scene, light, tolerance.least);
+        let reach = Reach::new(scene, tolerance.least);
         let longest_at = |v: VertexId| {
             let lengths = incident[v].iter().map(|&e| length(scene, e));
             lengths.fold(0.0, f64::max)

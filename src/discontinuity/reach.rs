@@ -4,7 +4,7 @@
 //! no more than that, so beyond the distance at which it falls below what matters none need be looked for; and what
 //! stands there throws its shadows only farther away. In scenes with hundreds of small lamps most edges are far from most.
 
-use crate::direct::DirectLight;
+use crate::quantity::Exitance;
 use crate::scene::{EmitterId, IdVec, Scene};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -29,19 +29,18 @@ pub(super) struct Reach {
 
 impl Reach {
     /// The balls for lines that break by at least `least`, W/m².
-    pub(super) fn new(scene: &Scene, light: &DirectLight, least: f64) -> Self {
+    pub(super) fn new(scene: &Scene, least: f64) -> Self {
         let lamps: Vec<Lamp> = scene
             .emitters
             .iter()
-            .map(|(id, e)| {
+            .map(|(_, e)| {
                 let face = &scene.faces[e.face];
                 let corners = || face.loops.iter().flatten().map(|&v| scene.vertices[v]);
                 let middle = corners().sum::<DVec3>() / corners().count() as f64;
-                let own = light.polygons.iter().find(|p| p.emitter == id);
                 Lamp {
                     middle,
                     radius: corners().map(|p| p.distance(middle)).fold(0.0, f64::max),
-                    power: own.map_or(0.0, |p| p.exitance.0.mean()) * face.area / PI,
+                    power: Exitance::from_radiance(face.emission).0.mean() * face.area / PI,
                 }
             })
             .collect();

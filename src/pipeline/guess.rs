@@ -132,7 +132,7 @@ impl Paths<'_> {
         let mut chance = Pcg::new(u64::from(i));
         loop {
             let ray = chance.next() % MANY_RAYS;
-            let light = self.direct.by_rays(&view, ray, scratch);
+            let light = self.direct.by_rays(&view, ray, || chance.unit(), scratch);
             found.push((weight * light.0).mean());
             if found.len() > most {
                 return found;
@@ -173,6 +173,8 @@ mod tests {
     use crate::quantity::{Irradiance, Radiance};
     use crate::scene::{Material, RawPolygon, RawScene};
     use crate::settings::Settings;
+    use glam::DVec2;
+    use std::f64::consts::TAU;
 
     const GREY: u32 = 0;
     const LAMP: u32 = 1;
@@ -269,6 +271,24 @@ mod tests {
     #[test]
     fn a_lamp_in_the_plane_of_a_ceiling_is_seen() {
         is_right(&room_with_lamp(2.0));
+    }
+
+    /// Not every vertex of a path asks each facet: a tube of 96, behind a board.
+    #[test]
+    fn a_lamp_of_many_facets_is_seen_as_one() {
+        let mut quads = room();
+        let around = |k: u32| DVec2::from_angle(TAU * f64::from(k) / 32.0) * 0.1;
+        for k in 0..32 {
+            let [a, b] = [around(k), around(k + 1)];
+            for ring in 0..3 {
+                let [z, end] = [ring, ring + 1].map(|r| 0.4 + 0.4 * f64::from(r));
+                let at = |p: DVec2, z: f64| DVec3::new(1.0 + p.x, 1.5 + p.y, z);
+                quads.push(([at(a, z), at(b, z), at(b, end), at(a, end)], LAMP));
+            }
+        }
+        let board = quad([0.5, 1.0, 0.5], [0.0, 0.0, 1.0], [0.6, 0.0, 0.0]);
+        quads.push((board, GREY));
+        is_right(&scene_of(&quads));
     }
 
     /// All light comes back for ever: the guess is finite, and it is the solver that says so.

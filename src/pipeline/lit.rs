@@ -3,6 +3,7 @@
 use super::World;
 use crate::direct::DirectLight;
 use crate::discontinuity::{EventKind, FaceLines, LineMap};
+use crate::quantity::Exitance;
 use crate::radiosity::reached;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
@@ -105,18 +106,10 @@ fn beside_lines(scene: &Scene, lines: &FaceLines) -> Vec<Viewpoint> {
 }
 
 /// The mean irradiance of all sides if nothing were lost of what the emitters leave, W/m².
-pub(super) fn greatest_mean(
-    scene: &Scene,
-    direct: &DirectLight,
-    sides: &[(FaceId, FaceSide)],
-) -> f64 {
-    let exitance = |e| {
-        let own = direct.polygons.iter().find(|p| p.emitter == e);
-        own.map_or(0.0, |p| p.exitance.mean())
-    };
-    let emitters = scene.emitters.iter();
-    let power: f64 = emitters
-        .map(|(id, e)| exitance(id) * scene.faces[e.face].area)
+pub(super) fn greatest_mean(scene: &Scene, sides: &[(FaceId, FaceSide)]) -> f64 {
+    let faces = scene.emitters.iter().map(|(_, e)| &scene.faces[e.face]);
+    let power: f64 = faces
+        .map(|f| Exitance::from_radiance(f.emission).mean() * f.area)
         .sum();
     power / sides.iter().map(|s| scene.faces[s.0].area).sum::<f64>()
 }

@@ -100,7 +100,7 @@ impl<'r, 'p> Run<'r, 'p> {
         let error = self.settings.error;
         let tolerance = LineTolerance {
             floor: error * LINE_FLOOR,
-            least: error * LINE_LEAST * greatest_mean(scene, direct, sides),
+            least: error * LINE_LEAST * greatest_mean(scene, sides),
             chord: error * LINE_CHORD,
         };
         let mut lines = find_lines_within(&self.meter, scene, direct, tolerance);

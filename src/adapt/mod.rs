@@ -197,7 +197,8 @@ impl Errors {
 
 /// Refines the lit `receivers` until the RMS error of the light that they show is estimated below `error` times its mean,
 /// both over the lit surfaces, or until the budget is used up. `mean_besides` (W/m²) is added to the mean: light that comes
-/// later.
+/// later, with which points are removed. `limit` is the squared error ((W/m²)² m²) below which elements were let be last, none
+/// at first.
 ///
 /// # Errors
 /// [`MeshError`]: our own bug.
@@ -206,17 +207,18 @@ pub fn refine(
     light: &Illumination,
     error: f64,
     mean_besides: f64,
+    limit: &mut Option<f64>,
     meter: &Meter,
     mut progress: impl FnMut(f64),
 ) -> Result<AdaptReport, MeshError> {
     let mut report = AdaptReport::default();
-    let mut limit = None;
+    let most_thinnings = if mean_besides > 0.0 { 1 } else { THINNINGS };
     let mut thinnings = 0;
     // Elements when the error was last met.
     let mut before = usize::MAX;
     let mut room = Room::new(meter);
     let mut squeezes = 0;
-    update(receivers, light, limit)?;
+    update(receivers, light, *limit)?;
     while report.passes < MAX_PASSES {
         let found = Errors::measure(receivers, light, error, mean_besides, true);
         let Some((errors, rms)) = found else {
@@ -241,21 +243,21 @@ pub fn refine(
                 if removed == 0 {
                     break;
                 }
-                update(receivers, light, limit)?;
+                update(receivers, light, *limit)?;
                 room.reopen();
                 continue;
             };
             // Lines are worth keeping at the error that comes of it, not at one that is out of reach.
             let target = errors.target.max(room.attainable(receivers, rms));
-            limit = Some(least);
+            *limit = Some(least);
             receivers.par_iter_mut().try_for_each(|r| {
                 if meter.is_late() {
                     return Ok(());
                 }
                 r.refine(light, least, target);
-                r.update_mesh(light, limit)
+                r.update_mesh(light, *limit)
             })?;
-        } else if thinnings < THINNINGS && report.passes + 1 < MAX_PASSES {
+        } else if thinnings < most_thinnings && report.passes + 1 < MAX_PASSES {
             let count = errors.squares.len();
             if count as f64 > THINNED_SHARE * before as f64 {
                 break;
@@ -270,9 +272,9 @@ pub fn refine(
         } else {
             break;
         }
-        update(receivers, light, limit)?;
+        update(receivers, light, *limit)?;
         if room.is_exceeded(receivers) {
-            update(receivers, light, limit)?;
+            update(receivers, light, *limit)?;
         }
     }
     report.evaluations = receivers.iter().map(Receiver::evaluations).sum();

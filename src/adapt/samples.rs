@@ -19,8 +19,8 @@ const LINE_WEIGHT: f64 = 0.25;
 /// Light agrees with its interpolation when it is off by this share of the error asked for.
 const AGREEMENT: f64 = 0.25;
 
-/// So many of the strongest lines that cross an element are looked at for that.
-const LINES_MEASURED: usize = 1;
+/// Barycentric coordinates of the middle of each edge.
+const HALVES: [[f64; 3]; 3] = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
 
 /// Fewer looks than this are made by one thread: sharing them would cost more.
 const SHARED_LOOKS: usize = 64;
@@ -94,8 +94,9 @@ pub(super) struct Samples {
     changes: usize,
     /// Elements that a later mesh may hold again, by their number among those that were measured last.
     elements: Map<[GridPoint; 3], u32>,
-    /// The errors of these, once the mesh has become another one.
+    /// The errors of these, once the mesh has become another one, and how often the indirect light had changed before them.
     pub(super) measured: Vec<ElementError>,
+    measured_after: usize,
     /// Exact evaluations of direct light so far.
     pub(super) evaluations: usize,
 }
@@ -115,19 +116,25 @@ impl Samples {
     /// Forgets what depends on the indirect light.
     pub(super) fn forget_indirect(&mut self) {
         self.changes += 1;
-        self.elements.clear();
     }
 }
 
 /// What was found inside one element.
 struct Inside {
-    /// Light at its centre less what is interpolated there, direct and indirect, W/m².
-    centre: [Irradiance; 2],
+    /// Direct light at its centre less what is interpolated there, W/m².
+    centre: Irradiance,
     /// Whether the middles of its edges need no look.
     is_smooth: bool,
-    /// The worst on a line that crosses it, squared, (W/m²)², and how many were looked at.
-    line: f64,
-    lines: usize,
+    /// On the line that breaks most across it, if any could matter.
+    line: Option<OnLine>,
+}
+
+/// A point on a line.
+#[derive(Clone, Copy, Debug)]
+struct OnLine {
+    place: DVec2,
+    /// Direct light there less what is interpolated, W/m².
+    direct: Irradiance,
 }
 
 /// How far one element is off.
@@ -137,8 +144,10 @@ pub(super) struct ElementError {
     pub(super) direct: Misfit,
     /// Of the interpolated indirect light.
     pub(super) indirect: Misfit,
-    /// The worst on a line that crosses it, squared, (W/m²)².
-    line: f64,
+    /// On the line that breaks most across it, if any could matter.
+    line: Option<OnLine>,
+    /// Light there less what is interpolated, squared, (W/m²)².
+    line_square: f64,
     /// What is not known of it, squared, (W/m²)².
     doubt: f64,
     /// Estimated integral of the squared error over the element after the fit, (W/m²)² m².
@@ -152,7 +161,7 @@ impl ElementError {
         self.square = area
             * misfit
                 .mean_square(added)
-                .max(LINE_WEIGHT * self.line)
+                .max(LINE_WEIGHT * self.line_square)
                 .max(self.doubt);
     }
 
@@ -361,7 +370,8 @@ impl Receiver {
             .filter(|&e| !known.contains_key(&key(e)))
             .collect();
         let insides = all(&new, |&e| self.look_inside(light, mesh, e, target));
-        let looks = insides.iter().map(|i| 1 + i.lines).sum();
+        let looks = insides.iter().map(|i| 1 + usize::from(i.line.is_some()));
+        let looks = looks.sum();
         self.samples.evaluations += self.counted(looks);
         let rough = new.iter().zip(&insides).filter(|(_, i)| !i.is_smooth);
         let middles: Vec<(Key, DVec2)> = rough
@@ -369,14 +379,24 @@ impl Receiver {
             .collect();
         self.remember(light, middles.into_iter());
         let mut measured = new.iter().zip(&insides).peekable();
+        let is_current = self.samples.measured_after == self.samples.changes;
         let is_kept = self.outlook.is_none();
         let room = if is_kept { mesh.elements.len() } else { 0 };
         let mut kept = Map::with_capacity_and_hasher(room, Default::default());
         let errors = (0..mesh.elements.len())
             .map(|e| {
                 let error = match measured.next_if(|(new, _)| **new == e) {
-                    Some((_, inside)) => self.measure(light, mesh, e, inside),
-                    None => self.samples.measured[self.samples.elements[&key(e)] as usize],
+                    Some((_, inside)) => {
+                        let direct = self.direct_misfit(light, mesh, e, inside);
+                        self.error(light, mesh, e, direct, inside.line)
+                    }
+                    None => {
+                        let known = self.samples.measured[self.samples.elements[&key(e)] as usize];
+                        match is_current {
+                            true => known,
+                            false => self.error(light, mesh, e, known.direct, known.line),
+                        }
+                    }
                 };
                 if is_kept {
                     kept.insert(key(e), e as u32);
@@ -386,11 +406,12 @@ impl Receiver {
             .collect();
         self.samples.elements = kept;
         self.samples.measured = Vec::new();
+        self.samples.measured_after = self.samples.changes;
         errors
     }
 
-    /// Looks at what is inside one element: its centre, and the lines across it that matter to errors of `target` (W/m²). On
-    /// a minor face where the direct light at the centre agrees, it is taken to be as smooth at the edges.
+    /// Looks at the direct light inside one element: at its centre, and on the line across it that matters most to errors of
+    /// `target` (W/m²). On a minor face where it agrees at the centre, it is taken to be as smooth at the edges.
     fn look_inside(
         &self,
         light: &Illumination,
@@ -398,58 +419,70 @@ impl Receiver {
         e: usize,
         target: f64,
     ) -> Inside {
-        let middle = mesh.centre(e);
-        let between = self.interpolate(mesh, e, [1.0 / 3.0; 3]);
-        let centre = [
-            self.direct_at(light, middle) - between[0],
-            self.indirect_at(light, middle) - between[1],
-        ];
-        let agrees = centre[0].0.mean_square() <= (AGREEMENT * target).powi(2);
+        let off = |p: DVec2, weights: [f64; 3]| {
+            self.direct_at(light, p) - self.interpolate(mesh, e, weights)[0]
+        };
+        let centre = off(mesh.centre(e), [1.0 / 3.0; 3]);
+        let agrees = centre.0.mean_square() <= (AGREEMENT * target).powi(2);
         let p = mesh.corners(e);
-        let (mut line, mut lines) = (0.0_f64, 0);
-        for (_, stretch) in self.open_lines_in(p, target, LINES_MEASURED) {
-            let q = stretch.middle();
-            let exact = self.direct_at(light, q) + self.indirect_at(light, q);
-            let [d, r] = self.interpolate(mesh, e, barycentric(p, q));
-            line = line.max((exact - d - r).0.mean_square());
-            lines += 1;
-        }
+        let strongest = self.open_lines_in(p, target, 1).pop();
+        let line = strongest.map(|(_, stretch)| {
+            let place = stretch.middle();
+            let direct = off(place, barycentric(p, place));
+            OnLine { place, direct }
+        });
         Inside {
             centre,
             is_smooth: self.size < Size::Major && agrees,
             line,
-            lines,
         }
     }
 
-    /// Measures one element.
-    fn measure(
+    /// How far the direct light over one element is off.
+    fn direct_misfit(
         &mut self,
         light: &Illumination,
         mesh: &ReceiverMesh,
         e: usize,
         inside: &Inside,
+    ) -> Misfit {
+        let edges = [0, 1, 2].map(|k| match inside.is_smooth {
+            // What equal quadratics along the edges add up to at the centre: 4/9 of each.
+            true => inside.centre * 0.75,
+            false => self.at_middle(light, mesh, e, k)[0] - self.interpolate(mesh, e, HALVES[k])[0],
+        });
+        Misfit::new(edges, inside.centre)
+    }
+
+    /// How far the indirect light over one element is off.
+    fn indirect_misfit(&self, light: &Illumination, mesh: &ReceiverMesh, e: usize) -> Misfit {
+        let off = |p: DVec2, weights: [f64; 3]| {
+            self.indirect_at(light, p) - self.interpolate(mesh, e, weights)[1]
+        };
+        let edges = [0, 1, 2].map(|k| off(self.middle(mesh, e, k), HALVES[k]));
+        Misfit::new(edges, off(mesh.centre(e), [1.0 / 3.0; 3]))
+    }
+
+    /// How far one element is off whose direct light is off by `direct`, and on `line` as told there.
+    fn error(
+        &self,
+        light: &Illumination,
+        mesh: &ReceiverMesh,
+        e: usize,
+        direct: Misfit,
+        line: Option<OnLine>,
     ) -> ElementError {
-        let centre = inside.centre;
-        let (mut direct, mut indirect) = ([Irradiance::ZERO; 3], [Irradiance::ZERO; 3]);
-        for k in 0..3 {
-            let mut weights = [0.5; 3];
-            weights[(k + 2) % 3] = 0.0;
-            let between = self.interpolate(mesh, e, weights);
-            if inside.is_smooth {
-                // What equal quadratics along the edges add up to at the centre: 4/9 of each.
-                direct[k] = centre[0] * 0.75;
-                indirect[k] = self.indirect_at(light, self.middle(mesh, e, k)) - between[1];
-                continue;
-            }
-            let exact = self.at_middle(light, mesh, e, k);
-            direct[k] = exact[0] - between[0];
-            indirect[k] = exact[1] - between[1];
-        }
+        let square = |line: OnLine| {
+            let weights = barycentric(mesh.corners(e), line.place);
+            let indirect = self.indirect_at(light, line.place);
+            let off = line.direct + indirect - self.interpolate(mesh, e, weights)[1];
+            off.0.mean_square()
+        };
         ElementError {
-            direct: Misfit::new(direct, centre[0]),
-            indirect: Misfit::new(indirect, centre[1]),
-            line: inside.line,
+            direct,
+            indirect: self.indirect_misfit(light, mesh, e),
+            line,
+            line_square: line.map_or(0.0, square),
             doubt: self.outlook.as_ref().map_or(0.0, |o| o.doubt),
             square: 0.0,
         }

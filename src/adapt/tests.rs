@@ -1,9 +1,15 @@
-//! The formulas of the fit against brute force, and the turning of diagonals.
+//! The formulas of the fit against brute force, the turning of diagonals, and what is remembered of the light.
 
 use super::fit::fit;
 use super::misfit::{Misfit, unfitted};
-use crate::mesh::{GridPoint, ReceiverMesh};
-use crate::quantity::{Irradiance, Rgb};
+use super::{Illumination, Receiver};
+use crate::direct::DirectLight;
+use crate::discontinuity::FaceLines;
+use crate::mesh::{FaceDomain, GridPoint, ReceiverMesh};
+use crate::quantity::{Irradiance, Radiance, Rgb};
+use crate::radiosity::{Basis, Bounces, IndirectField, Linking, Request, SolveMesh, Solver};
+use crate::scene::{CleanSettings, FaceSide, Material, RawPolygon, RawScene, Scene, clean};
+use crate::visibility::Blockers;
 use glam::{DVec2, DVec3};
 
 /// Squares along a side of the mesh.
@@ -197,4 +203,109 @@ fn turned_diagonals_leave_a_mesh() {
         assert!((area - 1.0).abs() < 1e-12);
     }
     assert!(turned > 100, "only {turned}");
+}
+
+/// A floor and a wall, a lamp above and a board between, all of the same reflectance; the lamp is the last.
+fn corner_with_a_lamp() -> Scene {
+    let quads: [[[f64; 3]; 4]; 4] = [
+        [
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 2.0, 0.0],
+            [0.0, 2.0, 0.0],
+        ],
+        [
+            [0.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [0.0, 2.0, 2.0],
+            [0.0, 0.0, 2.0],
+        ],
+        [
+            [0.8, 0.5, 0.7],
+            [1.5, 0.5, 0.7],
+            [1.5, 1.2, 0.7],
+            [0.8, 1.2, 0.7],
+        ],
+        [
+            [0.9, 0.9, 1.6],
+            [0.9, 1.3, 1.6],
+            [1.3, 1.3, 1.6],
+            [1.3, 0.9, 1.6],
+        ],
+    ];
+    let reflecting = Material {
+        reflectance: Rgb::grey(0.5),
+        ..Material::default()
+    };
+    let shining = Material {
+        emission: Radiance(Rgb::grey(10.0)),
+        ..reflecting.clone()
+    };
+    let polygon = |i: u32| RawPolygon {
+        corners: (4 * i..4 * i + 4).collect(),
+        material: u32::from(i == 3),
+        group: 0,
+    };
+    let raw = RawScene {
+        source: "test".to_owned(),
+        positions: quads.iter().flatten().copied().map(DVec3::from).collect(),
+        polygons: (0..4).map(polygon).collect(),
+        materials: vec![reflecting, shining],
+        groups: vec!["quads".to_owned()],
+        ..RawScene::default()
+    };
+    clean(&raw, &CleanSettings::default()).expect("a scene").0
+}
+
+#[test]
+fn direct_light_is_looked_at_once_when_the_indirect_light_changes() {
+    let scene = corner_with_a_lamp();
+    let blockers = Blockers::new(&scene);
+    let direct = DirectLight::new(&scene, &blockers);
+    let domain = |f| FaceDomain::new(&scene, f, FaceSide::Front, &[], &[], &[]);
+    let sides = scene
+        .faces
+        .ids()
+        .map(|f| (domain(f).into(), Rgb::grey(0.5)));
+    let mesh = SolveMesh::new(sides.collect(), 0.7).expect("a clean scene can be meshed");
+    let request = Request {
+        error: 0.01,
+        ambient: 0.5,
+        bounces: Bounces::All,
+        tolerance: 1e-7,
+        basis: Basis::default(),
+        linking: Linking::default(),
+        solver: Solver::default(),
+    };
+    let even = |_: &_, _, _| Irradiance(Rgb::grey(1.0));
+    let solved = IndirectField::solve(mesh, &blockers, request, even);
+    let (field, _) = solved.expect("the default solver has no limit");
+    let [without, with] = [None, Some(&field)].map(|indirect| Illumination {
+        direct: &direct,
+        tolerance: 0.0,
+        indirect,
+    });
+    let measured = |r: &mut Receiver, light: &Illumination| {
+        r.update_mesh(light, None).expect("it can be meshed");
+        r.update_errors(light, 0.01, true);
+    };
+    let floor = scene.faces.ids().next().expect("the floor is first");
+    let receiver = || {
+        let lines = FaceLines::default();
+        let mut r = Receiver::new(&scene, domain(floor).into(), lines, 0.3);
+        r.solve_face = Some(0);
+        r
+    };
+    let [mut relit, mut fresh] = [receiver(), receiver()];
+    measured(&mut relit, &without);
+    let dark = relit.expected_error();
+    relit.relight();
+    measured(&mut relit, &with);
+    measured(&mut fresh, &with);
+    assert_eq!(relit.evaluations(), fresh.evaluations());
+    assert_eq!(relit.expected_error(), fresh.expected_error());
+    assert_ne!(relit.expected_error(), dark);
+    let shown = |r: &Receiver| [r.direct.clone(), r.indirect.clone()];
+    assert_eq!(shown(&relit), shown(&fresh));
+    assert!(relit.indirect.iter().any(|e| e.mean() > 0.0));
 }

@@ -100,6 +100,7 @@ mod tests {
         let mesher = Mesher {
             meshing,
             spacing: 1.0,
+            limit: None,
         };
         Aim {
             display: 0.6,

@@ -201,6 +201,7 @@ pub fn light<'a>(
     let mesher = Mesher {
         meshing: settings.meshing,
         spacing: START_SPACING * scene.diagonal,
+        limit: None,
     };
     let mean_indirect = guess.indirect;
     let weak = WEAK_SHARE * settings.error * (guess.direct + mean_indirect);

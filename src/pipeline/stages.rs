@@ -314,6 +314,8 @@ pub(super) struct Mesher {
     pub(super) meshing: Meshing,
     /// Of the starting points, or of the last uniform lattice, metres.
     pub(super) spacing: f64,
+    /// The squared error below which elements were let be last, (W/m²)² m².
+    pub(super) limit: Option<f64>,
 }
 
 impl Mesher {
@@ -366,7 +368,16 @@ impl Mesher {
     ) -> Result<AdaptReport, MeshError> {
         match self.meshing {
             Meshing::Discontinuity | Meshing::Adaptive => {
-                adapt::refine(receivers, light, error, mean_besides, meter, progress)
+                let limit = &mut self.limit;
+                adapt::refine(
+                    receivers,
+                    light,
+                    error,
+                    mean_besides,
+                    limit,
+                    meter,
+                    progress,
+                )
             }
             Meshing::Uniform => adapt::refine_uniformly(
                 receivers,

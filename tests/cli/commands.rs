@@ -174,7 +174,7 @@ fn inspect_writes_the_lines_that_the_mesh_holds() {
     let folder = Folder::new();
     let header = "face,order,kind,x0,y0,z0,x1,y1,z1,jump,emitter,cause";
     folder.done(&format!(
-        "inspect {} --lines l.csv --candidates c.csv --mesh m.glb --svg f.svg --face floor --quiet",
+        "inspect {} --lines l.csv --candidates c.csv --mesh m.glb --svg f.svg --face floor --error 0.005 --quiet",
         small()
     ));
     let (lines, candidates) = (folder.text("l.csv"), folder.text("c.csv"));

@@ -181,13 +181,14 @@ impl FieldFace {
             count += 1;
             gather(&face.view(p))
         };
-        if self.uniform.is_some() {
+        if let Some(uniform) = self.uniform {
             if self.errors().iter().any(|&e| e >= limit) {
                 self.uniform = None;
                 self.known = vec![Knowledge::default(); self.mesh.elements.len()];
                 self.sites = (0..self.mesh.site_vertices.len())
                     .map(|s| self.fill_site(s, &mut ask))
                     .collect();
+                self.inherit(uniform);
             }
             return Ok(count);
         }
@@ -211,6 +212,22 @@ impl FieldFace {
             self.divide(face, &divided, weld_distance, &mut ask)?;
         }
         Ok(count)
+    }
+
+    /// Takes the mean that the whole face had for what its elements have, where the corners alone tell another one: light that
+    /// falls between them.
+    fn inherit(&mut self, uniform: Uniform) {
+        let more = uniform.value - self.power() * self.area().recip();
+        let off = more.0.mean_square();
+        if off <= uniform.unseen() {
+            return;
+        }
+        for e in 0..self.known.len() {
+            let c = self.corners(e);
+            let middles = [0, 1, 2].map(|k| (c[k] + c[(k + 1) % 3]) * 0.5 + more);
+            let error = off.max(self.error(e) / self.mesh.area(e));
+            self.known[e].inherited = Some(Inherited { middles, error });
+        }
     }
 
     /// Gathers at `p`.

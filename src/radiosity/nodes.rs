@@ -163,6 +163,13 @@ impl NodalField<'_> {
         !matches!(self.nodes[f].places, Places::Quadratic { .. })
     }
 
+    /// The greatest at the nodes that tell of frame coordinates `p` of `face`, which is solve face `f`: RMS of the channels, W/m².
+    pub(super) fn greatest(&self, face: &SolveFace, f: usize, p: DVec2) -> f64 {
+        let squares = self.nodes[f].weights(face, p).into_iter();
+        let squares = squares.map(|(node, _)| self.values[node as usize].0.mean_square());
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
     /// At frame coordinates `p` of `face`, which is solve face `f`.
     pub(super) fn at(&self, face: &SolveFace, f: usize, p: DVec2) -> Irradiance {
         let mut sum = Irradiance::ZERO;

@@ -2,12 +2,14 @@
 //!
 //! What the points of the field see stays the same: the residual comes to them by the links that their gathers have left.
 //! Only where a cell that is linked has been divided since, and what the residual is over it is too far from linear for
-//! the weight that it has there, a point gathers the residual anew.
+//! the weight that it has there, a point gathers the residual anew; so does one that has forgotten its links, unless there is
+//! less of the residual between the nodes of the solution than is permitted to be missed.
 
 use super::super::cells::FaceLight;
 use super::super::clusters::Sources;
 use super::super::field_face::{CellLink, Gathered, Point, Source};
 use super::super::gather::{Gatherer, Gatherers};
+use super::super::nodes::NodalField;
 use super::super::solve::Transport;
 use super::super::sweep::rays_for;
 use super::super::walk::spread;
@@ -30,7 +32,7 @@ struct Correction<'c, 'a> {
     /// Rays of an even set that tell as much of it as of all light.
     rays: u32,
     /// Irradiance from it at the nodes of the solution.
-    at_nodes: Vec<Irradiance>,
+    at_nodes: NodalField<'c>,
 }
 
 impl IndirectField<'_> {
@@ -54,7 +56,7 @@ impl IndirectField<'_> {
             gatherers: self.solution.gatherers(),
             rays: rays_for(change.power(), self.solution.light.power()),
             change,
-            at_nodes,
+            at_nodes: self.transport.field(&at_nodes),
         };
         let squares: Vec<f64> = self
             .faces
@@ -66,7 +68,7 @@ impl IndirectField<'_> {
                 field.add(
                     face,
                     |p| all.at(face, f, p),
-                    |point| correction.at(face, point),
+                    |point| correction.at(face, f, point),
                 )
             })
             .collect();
@@ -118,8 +120,8 @@ impl IndirectField<'_> {
 }
 
 impl Correction<'_, '_> {
-    /// What a point of `face` receives of it.
-    fn at(&self, face: &SolveFace, point: &mut Point) -> Irradiance {
+    /// What a point of `face`, solve face `f`, receives of it.
+    fn at(&self, face: &SolveFace, f: usize, point: &mut Point) -> Irradiance {
         let accuracy = Accuracy {
             sweep: self.rays,
             ..self.solution.accuracy_on(face).times(CORRECTION_ACCURACY)
@@ -134,9 +136,15 @@ impl Correction<'_, '_> {
                 return from_all.fold(Irradiance::ZERO, |sum, e| sum + e);
             }
             Source::Node(node) if self.transport.links(*node).all(|l| is_good(&l)) => {
-                return self.at_nodes[*node as usize];
+                return self.at_nodes.values[*node as usize];
             }
             Source::Forgotten => {
+                // Interpolation may miss as much as there is.
+                let between = self.at_nodes.at(face, f, point.place);
+                let permitted = LINK_SHARE * self.solution.accuracy_on(face).link;
+                if self.at_nodes.greatest(face, f, point.place) <= permitted {
+                    return between;
+                }
                 let (solution, change) = (self.solution, &self.change);
                 let gather = |g: &mut Gatherer| solution.gather(g, &view, change, accuracy);
                 return self.gatherers.lend(gather);

@@ -1,6 +1,6 @@
 //! How far the values on one side of a face are off.
 
-use super::FieldFace;
+use super::{FieldFace, Uniform};
 use glam::DVec2;
 
 /// What the points of a small face do not tell of how it varies, as a share of its value.
@@ -19,12 +19,18 @@ const PROBED_SHARE: f64 = 0.12;
 /// Weight of the error found in the middle of an element: of the 7-point rule, corners and edge midpoints being exact.
 const CENTRE_WEIGHT: f64 = 9.0 / 20.0;
 
+impl Uniform {
+    /// Mean square of what it does not tell.
+    pub(super) fn unseen(&self) -> f64 {
+        UNIFORM_VARIATION * UNIFORM_VARIATION * self.value.0.mean_square()
+    }
+}
+
 impl FieldFace {
     /// Estimated integrals of the squared error: of the whole face when it has one value, else of each element.
     pub(in crate::radiosity) fn errors(&self) -> Vec<f64> {
         if let Some(uniform) = self.uniform {
-            let unseen = UNIFORM_VARIATION * UNIFORM_VARIATION * uniform.value.0.mean_square();
-            return vec![self.area() * (uniform.variance + unseen)];
+            return vec![self.area() * (uniform.variance + uniform.unseen())];
         }
         (0..self.known.len()).map(|e| self.error(e)).collect()
     }

@@ -85,3 +85,52 @@ fn a_field_around_a_peak_does_not_exceed_it() {
     }
     assert!(refined > 600 * 50, "{refined} gathers");
 }
+
+/// A square that is dark at its corners, as is what stands behind a board, and as bright as its few points have told inside.
+#[test]
+fn light_between_the_corners_is_not_forgotten() {
+    let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
+    let corners = corners.map(|[x, z]| DVec3::new(x, 0.0, z));
+    let mesh = mesh_of(
+        &scene_of(corners.into(), vec![vec![0, 1, 2, 3]], 0.5),
+        0.5,
+        8.0,
+    );
+    let face = &mesh.faces[0];
+    assert!(face.is_small);
+    let ends = [0, 2].map(|v| face.mesh.site_points[v]);
+    let centre = face.domain.frame.to_space(ends[0].midpoint(ends[1]));
+    let at = |p: DVec3| {
+        let from_middle = (p - centre).abs().max_element();
+        Irradiance(Rgb::grey(if from_middle < 0.45 { 1.0 } else { 0.0 }))
+    };
+    let light = |view: &Viewpoint| at(view.position);
+    let mut views = Vec::new();
+    let nodes = [FaceNodes::new(face, WELD_DISTANCE, &mut views)];
+    let values: Vec<Irradiance> = views.iter().map(light).collect();
+    let start = NodalField {
+        nodes: &nodes,
+        values: &values,
+    };
+    let mut field = FieldFace::new(face, 0, &start, WELD_DISTANCE, Source::Node);
+    let middle = face.domain.frame.to_plane(centre);
+    let told = field.at(middle).mean();
+    assert!(told > 0.5, "{told} {values:?} {centre}");
+    let mut buy = |limit: f64| {
+        let gather = |view: &Viewpoint| Gathered {
+            value: light(view),
+            source: Source::Forgotten,
+        };
+        field
+            .buy(face, limit, WELD_DISTANCE, gather)
+            .expect("a mesh");
+        field.errors().iter().sum::<f64>()
+    };
+    // All that it is asked first are its dark corners: as much is unknown then as was known before.
+    let doubt = buy(0.0);
+    assert!(doubt > 0.25 * told * told, "{doubt}");
+    let last = (0..6).map(|_| buy(1e-3)).last().expect("six");
+    assert!(last < 0.5 * doubt, "{last} of {doubt}");
+    let found = field.at(middle).mean();
+    assert!((found - 1.0).abs() < 0.1, "{found}");
+}

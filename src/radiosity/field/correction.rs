@@ -101,6 +101,8 @@ impl IndirectField<'_> {
             .solve(mesh, &residual, self.request.method())
             .expect("the same links have been solved before")
             .values;
+        // Of a large scene that is a lot of memory.
+        drop(residual);
         let at = self.transport.field(&all);
         let (trees, held, old) = (&solution.trees, &self.held, &solution.light.faces);
         let change: Vec<FaceLight> = new

@@ -9,6 +9,7 @@ use super::super::wavelet::{details, halves, projected};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The light at the three corners of a cell, W/m² in three channels.
 pub(in crate::radiosity) type Corners = [DVec3; 3];
@@ -67,8 +68,9 @@ pub(super) struct Run {
 pub(in crate::radiosity) struct System {
     basis: Basis,
     pub(super) blocks: Vec<Block>,
-    /// The links of each node, those with cells of one block beside each other.
-    rows: Vec<Vec<Link>>,
+    /// The links of each node, those with cells of one block beside each other: of all that is kept in memory the most, and so
+    /// shared by copies.
+    rows: Arc<Vec<Vec<Link>>>,
     cells: usize,
 }
 
@@ -83,7 +85,7 @@ impl System {
             basis,
             cells: blocks.last().map_or(0, |b| b.cells.end),
             blocks,
-            rows,
+            rows: Arc::new(rows),
         }
     }
 

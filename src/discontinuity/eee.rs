@@ -35,9 +35,8 @@ struct Swath<'a> {
     /// +1 when the sight line runs along the ruling's direction.
     sense: f64,
     is_rim_first: bool,
-    /// Parts of faces that the rulings may meet, and those of them that they may meet between the outer edges.
+    /// Parts of faces that the rulings may meet.
     parts: Vec<u32>,
-    between: Vec<u32>,
 }
 
 /// Where a sight line meets a face, metres along it.
@@ -81,7 +80,6 @@ pub(super) fn trace(search: &Search, triple: Triple) -> Arcs {
                 sense,
                 is_rim_first: rim.is_some(),
                 parts: Vec::new(),
-                between: Vec::new(),
             };
             swath.collect_parts(from, to);
             swath.follow(from, to, &mut out);
@@ -100,18 +98,16 @@ impl Swath<'_> {
         let [a, b] = [from, to].map(|t| self.regulus.ruling(t).points);
         let [near, far] = [[a[first], b[first]], [a[last], b[last]]];
         let tol = blockers.weld_distance();
-        let collect = |region: &Region, parts: &mut Vec<u32>| {
+        let mut regions = vec![between(near, far, tol), beyond(near, far, tol)];
+        if !self.is_rim_first {
+            regions.push(beyond(far, near, tol));
+        }
+        for region in &regions {
             blockers.query(region, |i| {
                 if region.may_meet_polygon(blockers.corners(blockers.part(i)), 0.0) {
-                    parts.push(i);
+                    self.parts.push(i);
                 }
             });
-        };
-        collect(&between(near, far, tol), &mut self.between);
-        self.parts.clone_from(&self.between);
-        collect(&beyond(near, far, tol), &mut self.parts);
-        if !self.is_rim_first {
-            collect(&beyond(far, near, tol), &mut self.parts);
         }
         self.parts.sort_unstable();
         self.parts.dedup();
@@ -208,31 +204,27 @@ impl Swath<'_> {
         let shines = scene.normal(emitter.face, emitter.side).dot(d) > 0.0;
         let (mut landing, mut behind): (Option<Hit>, Option<Hit>) = (None, None);
         let mut hits: SmallVec<[Hit; 8]> = SmallVec::new();
-        let hit_on = |i: u32| {
+        for &i in &self.parts {
             let part = blockers.part(i);
             let is_own = |e: &Option<EdgeId>| e.is_some_and(|e| self.edges.contains(&e));
-            let at = hit(part.plane, blockers.corners(part), start, d)?;
-            let is_other = !blockers.edges(part).iter().any(is_own);
-            is_other.then_some((at, part.face))
-        };
-        let blocks = |&i: &u32| hit_on(i).is_some_and(|(at, _)| at > first && at < last);
-        // In a thicket rulings end here, and what lies beyond need not be gone through.
-        if self.between.iter().any(blocks) {
-            return None;
-        }
-        for (at, face) in self.parts.iter().filter_map(|&i| hit_on(i)) {
+            if blockers.edges(part).iter().any(is_own) {
+                continue;
+            }
+            let Some(at) = hit(part.plane, blockers.corners(part), start, d) else {
+                continue;
+            };
             if at > first && at < last {
                 return None;
             }
             if at >= last {
                 if landing.is_none_or(|(near, _)| at < near) {
-                    landing = Some((at, face));
+                    landing = Some((at, part.face));
                 }
             } else if !self.is_rim_first {
-                if face == emitter.face {
-                    behind = Some((at, face));
+                if part.face == emitter.face {
+                    behind = Some((at, part.face));
                 }
-                hits.push((at, face));
+                hits.push((at, part.face));
             }
         }
         if !shines || (!self.is_rim_first && !self.is_first(behind?, &hits)) {

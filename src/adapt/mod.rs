@@ -70,6 +70,9 @@ const MAX_PASSES: usize = 64;
 /// How often points are removed at most. The first time saves a fifth of the elements.
 const THINNINGS: usize = 3;
 
+/// The same where more light is to come: they are removed again when it has.
+const EARLY_THINNINGS: usize = 1;
+
 /// Points are removed again only where the last time has left at most this share of the elements for the same error: in
 /// dappled light what is removed is bought back.
 const THINNED_SHARE: f64 = 0.9;
@@ -212,7 +215,10 @@ pub fn refine(
     mut progress: impl FnMut(f64),
 ) -> Result<AdaptReport, MeshError> {
     let mut report = AdaptReport::default();
-    let most_thinnings = if mean_besides > 0.0 { 1 } else { THINNINGS };
+    let most_thinnings = match mean_besides > 0.0 {
+        true => EARLY_THINNINGS,
+        false => THINNINGS,
+    };
     let mut thinnings = 0;
     // Elements when the error was last met.
     let mut before = usize::MAX;

@@ -175,7 +175,11 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evid
         sum / count.max(1.0)
     };
     let all = || samples.iter().map(|s| s.counts).zip(&found);
-    let mean = average(&mut all().map(|(c, f)| (c, f.known.mean())));
+    // Light is much the same where much and where little of the area is: over what the points count for in fact, not over their
+    // number, it hardly depends on where they happen to be.
+    let counted: f64 = samples.iter().map(|s| s.counts).sum();
+    let mean =
+        average(&mut all().map(|(c, f)| (c, f.known.mean()))) * samples.len() as f64 / counted;
     let mesh = average(&mut all().map(|(c, f)| (c, f.off_known.0.mean_square())));
     let gathered = || all().filter_map(|(c, f)| Some((c, f.off_known, f.field_off?)));
     let field = average(&mut gathered().map(|(c, _, g)| (c, g.0.mean_square())));

@@ -3,7 +3,7 @@
 use super::misfit::Misfit;
 use super::{Illumination, Receiver};
 use crate::direct::Look;
-use crate::mesh::{GridPoint, ReceiverMesh, barycentric};
+use crate::mesh::{GridPoint, Inset, ReceiverMesh, barycentric};
 use crate::quantity::Irradiance;
 use crate::scene::Size;
 use crate::visibility::Scratch;
@@ -310,7 +310,7 @@ impl Receiver {
         let p = mesh.corners(e);
         let middle = p[k].midpoint(p[(k + 1) % 3]);
         match mesh.is_barrier(e, k) {
-            true => mesh.inset(e, middle, self.weld_distance),
+            true => mesh.inset(e, middle, Inset::limit(self.weld_distance)),
             false => middle,
         }
     }

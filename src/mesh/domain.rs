@@ -2,7 +2,8 @@
 
 use super::receiver::{ReceiverMesh, VertexOrigin};
 use super::{
-    Arrangement, Grid, GridPoint, MeshError, Segment, Sites, arrange, inside, sectors, triangulate,
+    Arrangement, Grid, GridPoint, Inset, MeshError, Segment, Sites, arrange, inside, sectors,
+    triangulate,
 };
 use crate::discontinuity::Discontinuity;
 use crate::geom::{AffineMap, PlaneFrame, Polygon2};
@@ -275,7 +276,7 @@ impl FaceDomain {
             mesh.neighbours
                 .push(triangulation.neighbours[t].map(|n| n.and_then(|n| element_of[n as usize])));
         }
-        mesh.place_sites(self.weld_distance);
+        mesh.place_sites(Inset::limit(self.weld_distance));
         mesh.compact();
         mesh
     }

@@ -20,6 +20,7 @@ mod arrangement;
 mod cdt;
 mod domain;
 mod grid;
+mod inset;
 mod receiver;
 #[cfg(test)]
 mod tests;
@@ -28,4 +29,5 @@ pub use arrangement::{ArrangedEdge, Arrangement, Segment, arrange};
 pub use cdt::{MeshError, Sites, Triangulation, inside, regions, sectors, triangulate};
 pub use domain::{EdgeSource, FaceDomain};
 pub use grid::{Grid, GridPoint, orient};
+pub use inset::Inset;
 pub use receiver::{ReceiverMesh, VertexOrigin, barycentric};

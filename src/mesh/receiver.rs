@@ -1,7 +1,7 @@
 //! The element mesh of one side of one face.
 
-use super::GridPoint;
 use super::domain::EdgeSource;
+use super::{GridPoint, Inset};
 use crate::scene::{EdgeId, VertexId};
 use glam::DVec2;
 use smallvec::SmallVec;
@@ -48,11 +48,13 @@ pub struct ReceiverMesh {
     pub is_limit: Vec<bool>,
 }
 
-/// One-sided limits are taken this many weld distances inside: beyond what welding and the grid may have moved.
-const INSET_IN_WELD_DISTANCES: f64 = 4.0;
-
-/// At most this share of the way to the middle of the element.
-const INSET_SHARE: f64 = 0.25;
+/// Where the value of a site is taken.
+pub(crate) struct Place {
+    /// Frame coordinates, metres.
+    pub(crate) point: DVec2,
+    /// How far from the site the middle of the element is in which that lies; infinite where it is taken at the vertex.
+    pub(crate) middle: f64,
+}
 
 impl ReceiverMesh {
     /// Gives back memory that was held for more elements: the meshes of hundreds of thousands of faces are of one or two.
@@ -95,13 +97,12 @@ impl ReceiverMesh {
         })
     }
 
-    /// `p` on the border of element `e`, moved into the element as far as one-sided limits are.
-    pub fn inset(&self, e: usize, p: DVec2, weld_distance: f64) -> DVec2 {
+    /// `p` on the border of element `e`, moved into the element.
+    pub fn inset(&self, e: usize, p: DVec2, inset: Inset) -> DVec2 {
         let d = self.centre(e) - p;
         let length = d.length();
-        let step = (INSET_IN_WELD_DISTANCES * weld_distance).min(INSET_SHARE * length);
         if length > 0.0 {
-            p + d * (step / length)
+            p + d * (inset.step(length) / length)
         } else {
             p
         }
@@ -155,8 +156,8 @@ impl ReceiverMesh {
         }
     }
 
-    /// Puts each site at its vertex, or inside the widest element of its sector when its vertex lies on a barrier.
-    pub(super) fn place_sites(&mut self, weld_distance: f64) {
+    /// Puts each site where its value is taken: on a barrier that is a one-sided limit.
+    pub(super) fn place_sites(&mut self, inset: Inset) {
         let mut on_barrier = vec![false; self.vertices.len()];
         for (e, corners) in self.elements.iter().enumerate() {
             for k in 0..3 {
@@ -166,7 +167,18 @@ impl ReceiverMesh {
                 }
             }
         }
-        let mut widest: Vec<Option<(f64, u32)>> = vec![None; self.site_vertices.len()];
+        self.is_limit = self
+            .site_vertices
+            .iter()
+            .map(|&v| on_barrier[v as usize])
+            .collect();
+        let places = self.places(inset);
+        self.site_points = places.into_iter().map(|place| place.point).collect();
+    }
+
+    /// Where the values of all sites are taken: at their vertices, or inside the widest element of the sector.
+    pub(crate) fn places(&self, inset: Inset) -> Vec<Place> {
+        let mut widest: Vec<Option<(f64, usize)>> = vec![None; self.site_vertices.len()];
         for (e, sites) in self.sites.iter().enumerate() {
             let p = self.corners(e);
             for k in 0..3 {
@@ -175,24 +187,24 @@ impl ReceiverMesh {
                     .abs();
                 let best = &mut widest[sites[k] as usize];
                 if best.is_none_or(|(a, _)| angle > a) {
-                    *best = Some((angle, e as u32));
+                    *best = Some((angle, e));
                 }
             }
         }
-        self.is_limit = self
-            .site_vertices
-            .iter()
-            .map(|&v| on_barrier[v as usize])
-            .collect();
-        self.site_points = (0..self.site_vertices.len())
-            .map(|s| {
-                let p = self.plane[self.site_vertices[s] as usize];
-                match widest[s] {
-                    Some((_, e)) if self.is_limit[s] => self.inset(e as usize, p, weld_distance),
-                    _ => p,
-                }
-            })
-            .collect();
+        let place = |s: usize| {
+            let p = self.plane[self.site_vertices[s] as usize];
+            match widest[s] {
+                Some((_, e)) if self.is_limit[s] => Place {
+                    point: self.inset(e, p, inset),
+                    middle: self.centre(e).distance(p),
+                },
+                _ => Place {
+                    point: p,
+                    middle: f64::INFINITY,
+                },
+            }
+        };
+        (0..self.site_vertices.len()).map(place).collect()
     }
 }
 

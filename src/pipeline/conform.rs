@@ -8,7 +8,7 @@ use super::Solution;
 use super::smooth::{self, SeamKey};
 use crate::adapt::{Illumination, Receiver};
 use crate::lit_scene::LitMesh;
-use crate::mesh::{EdgeSource, VertexOrigin, barycentric};
+use crate::mesh::{EdgeSource, Inset, VertexOrigin, barycentric};
 use crate::quantity::{Exitance, Irradiance};
 use crate::scene::{EdgeId, FaceSide, IdVec, Scene};
 use glam::{DVec2, DVec3};
@@ -216,7 +216,7 @@ impl<'a> Builder<'a> {
         let r = self.receiver;
         let position = on_edge(scene, edge, t);
         let p = r.domain.frame.to_plane(position);
-        let inside = r.mesh.inset(e, p, scene.weld_distance);
+        let inside = r.mesh.inset(e, p, Inset::limit(scene.weld_distance));
         let value = if r.is_lit {
             let light = Illumination {
                 direct: &self.solution.direct,

@@ -28,7 +28,7 @@ use super::clusters::Sources;
 use super::field_face::{CellLink, FieldFace, Gathered, Source, merged};
 use super::gather::Gatherers;
 use super::held::Held;
-use super::nodes::NodalField;
+use super::nodes::{NodalField, inset};
 use super::rows::point_nodes;
 use super::solve::{Method, Transport};
 use super::sweep::RAYS;
@@ -181,10 +181,10 @@ impl Coarse<'_> {
         values: &NodalField,
         source: impl Fn(u32) -> Source + Copy,
     ) -> Vec<FieldFace> {
-        let weld_distance = self.blockers.weld_distance();
+        let inset = inset(self.blockers.weld_distance());
         let faces = self.mesh.faces.iter().enumerate();
         faces
-            .map(|(f, face)| FieldFace::new(face, f, values, weld_distance, source))
+            .map(|(f, face)| FieldFace::new(face, f, values, inset, source))
             .collect()
     }
 
@@ -363,6 +363,7 @@ impl<'a> IndirectField<'a> {
                 .unwrap_or(f64::INFINITY);
             let solution = &self.solution;
             let gatherers = solution.gatherers();
+            let inset = inset(solution.blockers.weld_distance());
             let is_remembered = self.link_count() < MOST_LINKS;
             let gather =
                 |g: &mut Gatherer, view: &Viewpoint, accuracy: Accuracy| match is_remembered {
@@ -386,7 +387,7 @@ impl<'a> IndirectField<'a> {
                     }
                     let mut accuracy = solution.accuracy_on(face);
                     accuracy.ray *= SHOWN_RAYS;
-                    field.buy(face, limit, solution.blockers.weld_distance(), |view| {
+                    field.buy(face, limit, inset, |view| {
                         gatherers.lend(|g| gather(g, view, accuracy))
                     })
                 })

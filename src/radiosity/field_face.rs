@@ -9,7 +9,7 @@ pub(super) use points::{CellLink, Gathered, Point, Source, merged};
 use super::SolveFace;
 use super::locator::Locator;
 use super::nodes::NodalField;
-use crate::mesh::{GridPoint, MeshError, ReceiverMesh};
+use crate::mesh::{GridPoint, Inset, MeshError, ReceiverMesh};
 use crate::quantity::{Irradiance, Rgb};
 use crate::visibility::Viewpoint;
 use glam::{DVec2, DVec3};
@@ -79,7 +79,7 @@ impl FieldFace {
         face: &SolveFace,
         f: usize,
         solution: &NodalField,
-        weld_distance: f64,
+        inset: Inset,
         source: impl Fn(u32) -> Source,
     ) -> Self {
         let mut field = Self {
@@ -96,7 +96,7 @@ impl FieldFace {
             let (value, variance) = solution.mean_and_variance(f);
             field.uniform = Some(Uniform { value, variance });
         } else {
-            field.take_over(face, f, solution, weld_distance, source);
+            field.take_over(face, f, solution, inset, source);
         }
         field
     }
@@ -107,7 +107,7 @@ impl FieldFace {
         face: &SolveFace,
         f: usize,
         solution: &NodalField,
-        weld_distance: f64,
+        inset: Inset,
         source: impl Fn(u32) -> Source,
     ) {
         let mesh = &face.mesh;
@@ -120,9 +120,9 @@ impl FieldFace {
                 source: source(node as u32),
             })
             .collect();
-        for s in 0..mesh.site_vertices.len() {
+        for (s, place) in mesh.places(inset).into_iter().enumerate() {
             let node = solution.node_at_site(f, s).expect("a face with nodes");
-            self.points[(node - first) as usize].place = mesh.site_points[s];
+            self.points[(node - first) as usize].place = place.point;
             self.sites.push(node - first);
             if !mesh.is_limit[s] {
                 self.gathered.insert(self.site_key(s), node - first);
@@ -134,7 +134,7 @@ impl FieldFace {
             for (k, node) in nodes.into_iter().enumerate() {
                 let point = node - first;
                 self.known[e].middles[k] = Some(point);
-                self.points[point as usize].place = self.middle(e, k, weld_distance);
+                self.points[point as usize].place = self.middle(e, k, inset);
                 if !mesh.is_barrier(e, k) {
                     self.gathered.insert(self.key(e, k), point);
                 }
@@ -173,7 +173,7 @@ impl FieldFace {
         &mut self,
         face: &SolveFace,
         limit: f64,
-        weld_distance: f64,
+        inset: Inset,
         mut gather: impl FnMut(&Viewpoint) -> Gathered,
     ) -> Result<usize, MeshError> {
         let mut count = 0;
@@ -185,8 +185,9 @@ impl FieldFace {
             if self.errors().iter().any(|&e| e >= limit) {
                 self.uniform = None;
                 self.known = vec![Knowledge::default(); self.mesh.elements.len()];
-                self.sites = (0..self.mesh.site_vertices.len())
-                    .map(|s| self.fill_site(s, &mut ask))
+                let places = self.mesh.places(inset).into_iter().enumerate();
+                self.sites = places
+                    .map(|(s, place)| self.fill_site(s, place.point, &mut ask))
                     .collect();
                 self.inherit(uniform);
             }
@@ -198,7 +199,7 @@ impl FieldFace {
             .collect();
         for e in marked {
             if self.known[e].middles.iter().any(Option::is_none) {
-                self.fill_middles(e, weld_distance, &mut ask);
+                self.fill_middles(e, inset, &mut ask);
             } else if self.known[e].centre.is_none() {
                 let middle = self.mesh.centre(e);
                 let third = 1.0 / 3.0;
@@ -209,7 +210,7 @@ impl FieldFace {
             }
         }
         if !divided.is_empty() {
-            self.divide(face, &divided, weld_distance, &mut ask)?;
+            self.divide(face, &divided, inset, &mut ask)?;
         }
         Ok(count)
     }
@@ -241,9 +242,8 @@ impl FieldFace {
         self.points.len() as u32 - 1
     }
 
-    /// The point of site `s`, gathered if need be; one on a border always.
-    fn fill_site(&mut self, s: usize, ask: &mut impl FnMut(DVec2) -> Gathered) -> u32 {
-        let p = self.mesh.site_points[s];
+    /// The point of site `s`, gathered at `p` if need be; one on a border always.
+    fn fill_site(&mut self, s: usize, p: DVec2, ask: &mut impl FnMut(DVec2) -> Gathered) -> u32 {
         if self.mesh.is_limit[s] {
             return self.fill(p, ask);
         }
@@ -291,17 +291,12 @@ impl FieldFace {
     }
 
     /// Gathers at the midpoints of element `e`; a neighbour across an ordinary edge shares the value.
-    fn fill_middles(
-        &mut self,
-        e: usize,
-        weld_distance: f64,
-        ask: &mut impl FnMut(DVec2) -> Gathered,
-    ) {
+    fn fill_middles(&mut self, e: usize, inset: Inset, ask: &mut impl FnMut(DVec2) -> Gathered) {
         for k in 0..3 {
             if self.known[e].middles[k].is_some() {
                 continue;
             }
-            let point = self.fill(self.middle(e, k, weld_distance), ask);
+            let point = self.fill(self.middle(e, k, inset), ask);
             self.known[e].middles[k] = Some(point);
             if self.mesh.is_barrier(e, k) {
                 continue;
@@ -321,11 +316,11 @@ impl FieldFace {
     }
 
     /// The midpoint of edge `k` of element `e`, on the element's side of a border.
-    fn middle(&self, e: usize, k: usize, weld_distance: f64) -> DVec2 {
+    fn middle(&self, e: usize, k: usize, inset: Inset) -> DVec2 {
         let p = self.mesh.corners(e);
         let middle = p[k].midpoint(p[(k + 1) % 3]);
         match self.mesh.is_barrier(e, k) {
-            true => self.mesh.inset(e, middle, weld_distance),
+            true => self.mesh.inset(e, middle, inset),
             false => middle,
         }
     }

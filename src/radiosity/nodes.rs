@@ -1,12 +1,22 @@
 //! The nodes of one face: where the solution gathers light, and the quadratic function between them.
 
 use super::SolveFace;
-use crate::mesh::barycentric;
+use crate::mesh::{Inset, barycentric};
 use crate::quantity::Irradiance;
 use crate::visibility::Viewpoint;
 use glam::DVec2;
 use smallvec::SmallVec;
 use std::ops::Range;
+
+/// Values at the borders of faces are taken this share of the way to the middle of the element inside. A trim, a bevel or a gap of
+/// a few millimetres there makes the light right at the edge another than that of the face, of which a whole element beside it
+/// would have a share. From none to a thirtieth the fields of five scenes took more gathers to be as good.
+const INSET_SHARE: f64 = 1.0 / 16.0;
+
+/// How far inside the values at borders are taken for positions welded within `weld_distance`, metres.
+pub(super) fn inset(weld_distance: f64) -> Inset {
+    Inset::share(INSET_SHARE, weld_distance)
+}
 
 /// The nodes of one face.
 pub(super) struct FaceNodes {
@@ -30,7 +40,7 @@ enum Places {
 
 impl FaceNodes {
     /// Numbers the nodes of `face` and appends their viewpoints.
-    pub(super) fn new(face: &SolveFace, weld_distance: f64, views: &mut Vec<Viewpoint>) -> Self {
+    pub(super) fn new(face: &SolveFace, inset: Inset, views: &mut Vec<Viewpoint>) -> Self {
         let mesh = &face.mesh;
         let n = mesh.site_vertices.len();
         let first = views.len();
@@ -41,7 +51,8 @@ impl FaceNodes {
                 places: Places::Whole,
             };
         }
-        views.extend((0..n).map(|s| face.site_view(s)));
+        let places = mesh.places(inset).into_iter();
+        views.extend(places.map(|place| face.view(place.point)));
         let mut middles = vec![[0; 3]; mesh.elements.len()];
         for e in 0..mesh.elements.len() {
             for k in 0..3 {
@@ -59,7 +70,7 @@ impl FaceNodes {
                         let p = mesh.corners(e);
                         let mut middle = p[k].midpoint(p[(k + 1) % 3]);
                         if mesh.is_barrier(e, k) {
-                            middle = mesh.inset(e, middle, weld_distance);
+                            middle = mesh.inset(e, middle, inset);
                         }
                         views.push(face.view(middle));
                     }

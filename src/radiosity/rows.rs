@@ -2,7 +2,7 @@
 
 use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
-use super::nodes::FaceNodes;
+use super::nodes::{FaceNodes, inset};
 use super::solvers::{Link, check};
 use super::{Basis, Gatherer, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::direct::form_factor;
@@ -276,7 +276,7 @@ pub(super) fn point_nodes(
     let nodes = mesh
         .faces
         .iter()
-        .map(|face| FaceNodes::new(face, blockers.weld_distance(), &mut views))
+        .map(|face| FaceNodes::new(face, inset(blockers.weld_distance()), &mut views))
         .collect();
     (nodes, views)
 }

@@ -283,11 +283,6 @@ impl SolveFace {
         })
     }
 
-    /// Where the value of local site `s` is taken.
-    pub fn site_view(&self, s: usize) -> Viewpoint {
-        self.view(self.mesh.site_points[s])
-    }
-
     /// A viewpoint on this side at frame coordinates `p`.
     pub fn view(&self, p: DVec2) -> Viewpoint {
         Viewpoint::new(self.domain.frame.to_space(p), self.domain.normal)

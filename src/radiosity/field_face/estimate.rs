@@ -38,27 +38,25 @@ impl FieldFace {
     /// The same of one element.
     pub(super) fn error(&self, e: usize) -> f64 {
         let known = &self.known[e];
-        if let Some(inherited) = known.inherited {
-            return self.mesh.area(e) * inherited.error;
-        }
         let corners = self.corners(e);
         let mut square = 0.0_f64;
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            let part = match known.middles[k] {
+            let part = match self.at_middle(e, k) {
                 None => LINEAR_SHARE * LINEAR_SHARE * (a - b).0.mean_square(),
                 Some(m) => {
                     let share = match known.centre {
                         Some(_) => PROBED_SHARE,
                         None => QUADRATIC_SHARE,
                     };
-                    share * share * (self.value(m) - (a + b) * 0.5).0.mean_square()
+                    share * share * (m - (a + b) * 0.5).0.mean_square()
                 }
             };
             square = square.max(part);
         }
         let centre = known.centre.map_or(0.0, |c| CENTRE_WEIGHT * c);
-        self.mesh.area(e) * square.max(centre)
+        let inherited = known.inherited.map_or(0.0, |i| i.error);
+        self.mesh.area(e) * square.max(centre).max(inherited)
     }
 
     /// Estimated RMS error over the element that holds frame coordinates `p`, W/m².

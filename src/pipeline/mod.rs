@@ -205,7 +205,7 @@ pub fn light<'a>(
     };
     let mean_indirect = guess.indirect;
     let weak = WEAK_SHARE * settings.error * (guess.direct + mean_indirect);
-    let mut aim = Aim::new(mesher, solve_mesh.as_ref(), weak);
+    let mut aim = Aim::new(mesher, solve_mesh.is_some(), weak);
     let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, domains, lines);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;
     let indirect = match solve_mesh {

@@ -231,6 +231,13 @@ impl Cones {
 }
 
 impl RoundCone {
+    /// All directions: no comparison with it holds, so that it is apart from nothing.
+    pub(super) const ALL: Self = Self {
+        axis: DVec3::ZERO,
+        cos: f64::NAN,
+        sin: f64::NAN,
+    };
+
     /// Around the given directions, each with its length.
     pub(super) fn new(rim: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
         let sum: DVec3 = rim.clone().map(|(r, length)| r / length).sum();
@@ -243,12 +250,8 @@ impl RoundCone {
         if cos > 0.0 {
             return Self { axis, cos, sin };
         }
-        // Wider than a half-space: no comparison with it holds, so that it is apart from nothing.
-        Self {
-            axis,
-            cos: f64::NAN,
-            sin: f64::NAN,
-        }
+        // Wider than a half-space.
+        Self::ALL
     }
 
     /// True when the two surely share nothing.

@@ -5,6 +5,7 @@ mod blockers;
 mod box_tree;
 mod cone;
 mod hidden;
+mod pieces;
 #[cfg(test)]
 mod random;
 mod ray;

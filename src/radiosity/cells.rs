@@ -55,10 +55,9 @@ pub(super) struct Cell {
     depth: u8,
 }
 
-/// The trees of one side of one face; parents come before their children.
+/// The trees of one side of one face; parents come before their children. Copies share all of it until one of them grows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceCells {
-    /// Shared by copies of the tree until one of them grows.
     pub(super) cells: Arc<Vec<Cell>>,
     /// The first so many cells are roots.
     pub(super) roots: u32,
@@ -67,7 +66,7 @@ pub(super) struct FaceCells {
     pub(super) coarse: usize,
     /// For each cell the greatest weight that what is not linear about its light had anywhere: form factor times square of
     /// its width over its distance.
-    exposure: Vec<Greatest>,
+    exposure: Arc<Vec<Greatest>>,
     /// What the cells know of their light.
     pub(super) basis: Basis,
 }
@@ -79,8 +78,8 @@ pub(super) struct CellLight {
     pub(super) corners: [Radiosity; 3],
     /// RMS distance of the light from the linear function, mean over the channels, W/m².
     pub(super) deviation: f64,
-    /// Mean squares of the light, by channel.
-    square: Rgb,
+    /// Mean square of the light over the cell and the channels, W²/m⁴.
+    square: f64,
 }
 
 /// The light of all cells of a face, and what of it is the same for all.
@@ -159,7 +158,7 @@ impl FaceCells {
             root_locator: Locator::of(cells.len(), |c| cells[c].flat),
             coarse: 0,
             basis,
-            exposure: vec![Greatest::default(); cells.len()],
+            exposure: Arc::new(vec![Greatest::default(); cells.len()]),
             cells: Arc::new(cells),
         };
         let mut i = 0;
@@ -180,10 +179,11 @@ impl FaceCells {
             return false;
         }
         let cells = Arc::make_mut(&mut self.cells);
+        let exposure = Arc::make_mut(&mut self.exposure);
         cells[i].child = cells.len() as u32;
         for flat in parent.halves() {
             cells.push(Cell::new(flat, face, parent.depth + 1));
-            self.exposure.push(self.exposure[i].clone());
+            exposure.push(exposure[i].clone());
         }
         true
     }
@@ -256,29 +256,29 @@ impl CellLight {
     /// The projection of `light`, given by barycentric coordinates.
     pub(super) fn sampled(light: impl Fn([f64; 3]) -> Radiosity) -> Self {
         let mut moments = [Rgb::BLACK; 3];
-        let mut square = Rgb::BLACK;
+        let mut square = 0.0;
         for (w, weight) in RADON {
             let b = light(w).0;
             for k in 0..3 {
                 moments[k] += b * (w[k] * weight);
             }
-            square += b * b * weight;
+            square += b.mean_square() * weight;
         }
         Self::from_moments(moments, square)
     }
 
     /// From the means of the light under each corner's basis function and of its square.
-    pub(super) fn from_moments(moments: [Rgb; 3], square: Rgb) -> Self {
+    pub(super) fn from_moments(moments: [Rgb; 3], square: f64) -> Self {
         // The mass matrix of the linear basis is (1 + δ)/12; its inverse 12 δ − 3.
         let sum = moments[0] + moments[1] + moments[2];
         let corners = moments.map(|m| Radiosity(m * 12.0 - sum * 3.0));
         let mut rest = square;
         for k in 0..3 {
-            rest = rest - corners[k].0 * moments[k];
+            rest -= (corners[k].0 * moments[k]).mean();
         }
         Self {
             corners,
-            deviation: rest.mean().max(0.0).sqrt(),
+            deviation: rest.max(0.0).sqrt(),
             square,
         }
     }
@@ -297,7 +297,7 @@ impl CellLight {
 
     /// RMS over the cell and the channels, W/m².
     pub(super) fn rms(&self) -> f64 {
-        self.square.mean().max(0.0).sqrt()
+        self.square.max(0.0).sqrt()
     }
 
     /// Largest difference between corners, of any channel, W/m².
@@ -312,10 +312,10 @@ impl CellLight {
             Basis::Linear | Basis::Wavelet => self,
             Basis::Constant => {
                 let mean = self.mean();
-                let rest = self.square - mean.0 * mean.0;
+                let rest = self.square - mean.0.mean_square();
                 Self {
                     corners: [mean; 3],
-                    deviation: rest.mean().max(0.0).sqrt(),
+                    deviation: rest.max(0.0).sqrt(),
                     square: self.square,
                 }
             }
@@ -330,7 +330,7 @@ impl CellLight {
         };
         let moments = light.moments();
         for k in 0..3 {
-            light.square += corners[k].0 * moments[k];
+            light.square += (corners[k].0 * moments[k]).mean();
         }
         light
     }
@@ -367,16 +367,25 @@ impl FaceLight {
         }
     }
 
-    /// Adds to every leaf that is not held the projection of `more(point)` (frame coordinates).
-    pub(super) fn add(&mut self, tree: &FaceCells, held: &Held, more: impl Fn(DVec2) -> Radiosity) {
+    /// Adds to every leaf that is not held the projection of `more(point)` (frame coordinates), and to the `change` of the light
+    /// as well.
+    pub(super) fn add(
+        &mut self,
+        change: &mut Self,
+        tree: &FaceCells,
+        held: &Held,
+        more: impl Fn(DVec2) -> Radiosity,
+    ) {
         let is_held = held.cells(tree);
         for i in tree.leaves().filter(|&i| !is_held[i]) {
             let added = CellLight::sampled(|w| more(tree.cells[i].at(w)));
-            let now = &mut self.cells[i];
-            let both = [0, 1, 2].map(|k| now.corners[k] + added.corners[k]);
-            *now = CellLight::linear(both).told_by(tree.basis);
+            for now in [&mut self.cells[i], &mut change.cells[i]] {
+                let both = [0, 1, 2].map(|k| now.corners[k] + added.corners[k]);
+                *now = CellLight::linear(both).told_by(tree.basis);
+            }
         }
         self.pull(tree);
+        change.pull(tree);
     }
 
     /// What this light has over `old`, which may end at cells that have children in `tree`.
@@ -405,7 +414,7 @@ impl FaceLight {
 
     /// The square of the light of cell `c`, mean over the channels, integrated over the cell, W²/m².
     pub(super) fn square(&self, tree: &FaceCells, c: usize) -> f64 {
-        tree.cells[c].area * self.cells[c].square.mean()
+        tree.cells[c].area * self.cells[c].square
     }
 
     fn summarise(&mut self, tree: &FaceCells) {

@@ -41,6 +41,7 @@ use crate::scene::Size;
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::borrow::Borrow;
 
 /// Share of the permitted squared error that may stay in places where nothing more is bought.
 const UNMARKED_SHARE: f64 = 0.5;
@@ -249,7 +250,7 @@ fn follow_limits(mesh: &SolveMesh, error: f64) -> FollowLimits {
 fn residual(
     mesh: &SolveMesh,
     trees: &mut [FaceCells],
-    old: &[FaceLight],
+    old: Vec<impl Borrow<FaceLight> + Send>,
     error: f64,
     arriving: impl Fn(&SolveFace, usize, DVec2) -> Irradiance + Sync,
 ) -> (Vec<FaceLight>, Vec<FaceLight>) {
@@ -259,9 +260,9 @@ fn residual(
     });
     let residual = new
         .par_iter()
-        .zip(old)
+        .zip(old.into_par_iter())
         .zip(trees)
-        .map(|((new, old), tree)| new.minus(old, tree))
+        .map(|((new, old), tree)| new.minus(old.borrow(), tree))
         .collect();
     (new, residual)
 }

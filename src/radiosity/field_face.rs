@@ -58,7 +58,7 @@ struct Uniform {
 pub(super) struct FieldFace {
     /// Those of the solution until elements are divided: most faces never are.
     mesh: Arc<ReceiverMesh>,
-    locator: Arc<Locator>,
+    locator: Locator,
     /// As long as the whole face has one value; nothing else is known then.
     uniform: Option<Uniform>,
     /// All that have been gathered.
@@ -84,7 +84,7 @@ impl FieldFace {
     ) -> Self {
         let mut field = Self {
             mesh: Arc::clone(&face.mesh),
-            locator: Arc::clone(&face.locator),
+            locator: face.locator.clone(),
             uniform: None,
             points: Vec::new(),
             sites: Vec::new(),

@@ -2,13 +2,18 @@
 
 use crate::mesh::{ReceiverMesh, barycentric};
 use glam::DVec2;
+use std::sync::Arc;
 
 /// So few triangles are all looked at: most of many faces have no more, and buckets would take more room than they.
 const FEW: usize = 4;
 
-/// A uniform grid of buckets over the triangles' boxes, about one triangle a bucket; none over few triangles.
+/// Finds triangles by a grid of buckets, which copies share; without one among few.
 #[derive(Clone, Debug, Default)]
-pub struct Locator {
+pub struct Locator(Option<Arc<Buckets>>);
+
+/// A uniform grid of buckets over the triangles' boxes, about one triangle a bucket.
+#[derive(Debug)]
+struct Buckets {
     lo: DVec2,
     cell: DVec2,
     side: usize,
@@ -31,7 +36,7 @@ impl Locator {
         let lo = used().fold(DVec2::INFINITY, DVec2::min);
         let hi = used().fold(DVec2::NEG_INFINITY, DVec2::max);
         let side = ((n as f64).sqrt().ceil() as usize).max(1);
-        let mut locator = Self {
+        let mut buckets = Buckets {
             lo,
             cell: ((hi - lo) / side as f64).max(DVec2::splat(f64::MIN_POSITIVE)),
             side,
@@ -42,8 +47,8 @@ impl Locator {
         for e in 0..n {
             let [a, b, c] = corners(e);
             let (from, to) = (
-                locator.bucket(a.min(b).min(c)),
-                locator.bucket(a.max(b).max(c)),
+                buckets.bucket(a.min(b).min(c)),
+                buckets.bucket(a.max(b).max(c)),
             );
             for j in from.1..=to.1 {
                 for i in from.0..=to.0 {
@@ -52,17 +57,11 @@ impl Locator {
             }
         }
         pairs.sort_unstable();
-        locator.starts = (0..=side * side)
+        buckets.starts = (0..=side * side)
             .map(|c| pairs.partition_point(|p| p.0 < c) as u32)
             .collect();
-        locator.items = pairs.into_iter().map(|p| p.1).collect();
-        locator
-    }
-
-    fn bucket(&self, p: DVec2) -> (usize, usize) {
-        let q = (p - self.lo) / self.cell;
-        let index = |x: f64| (x.max(0.0) as usize).min(self.side - 1);
-        (index(q.x), index(q.y))
+        buckets.items = pairs.into_iter().map(|p| p.1).collect();
+        Self(Some(Arc::new(buckets)))
     }
 
     /// The element that holds `p` and the barycentric coordinates there; outside all elements the one that comes nearest,
@@ -86,11 +85,8 @@ impl Locator {
             items.map(depth).max_by(|a, b| a.2.total_cmp(&b.2))
         };
         let mut found = None;
-        if !self.starts.is_empty() {
-            let (i, j) = self.bucket(p);
-            let c = j * self.side + i;
-            let range = self.starts[c] as usize..self.starts[c + 1] as usize;
-            found = deepest(&mut self.items[range].iter().map(|&e| e as usize));
+        if let Some(buckets) = &self.0 {
+            found = deepest(&mut buckets.items_at(p).iter().map(|&e| e as usize));
         }
         if found.is_none_or(|f| f.2 < 0.0) {
             found = deepest(&mut (0..n));
@@ -100,5 +96,20 @@ impl Locator {
             let sum: f64 = clamped.iter().sum();
             (e, clamped.map(|x| x / sum))
         })
+    }
+}
+
+impl Buckets {
+    fn bucket(&self, p: DVec2) -> (usize, usize) {
+        let q = (p - self.lo) / self.cell;
+        let index = |x: f64| (x.max(0.0) as usize).min(self.side - 1);
+        (index(q.x), index(q.y))
+    }
+
+    /// The triangles in the bucket that holds `p`.
+    fn items_at(&self, p: DVec2) -> &[u32] {
+        let (i, j) = self.bucket(p);
+        let c = j * self.side + i;
+        &self.items[self.starts[c] as usize..self.starts[c + 1] as usize]
     }
 }

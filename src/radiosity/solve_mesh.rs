@@ -54,7 +54,7 @@ pub struct SolveFace {
     pub(super) middle_point: DVec3,
     /// Bounding rectangle, counter-clockwise seen from the lit side.
     pub(super) rectangle: [DVec3; 4],
-    pub(super) locator: Arc<Locator>,
+    pub(super) locator: Locator,
 }
 
 /// All sides that take part.
@@ -228,7 +228,7 @@ impl SolveFace {
             roots: (0..outline.elements.len())
                 .map(|e| outline.corners(e))
                 .collect(),
-            locator: Arc::new(Locator::new(&mesh)),
+            locator: Locator::new(&mesh),
             centre,
             radius,
             is_small: radius < SMALL_SHARE * spacing,

@@ -83,14 +83,16 @@ impl IndirectField<'_> {
     ) -> (Vec<FaceLight>, Vec<Irradiance>) {
         let solution = &mut self.solution;
         let mesh = &solution.mesh;
-        let (mut new, residual) = residual(
+        // Of a large scene the light of all cells is a lot of memory: the old goes as the residual comes.
+        let old = std::mem::take(&mut solution.light.faces);
+        let (mut new, mut change) = residual(
             mesh,
             &mut solution.trees,
-            &solution.light.faces,
+            old,
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );
-        for (f, (light, tree)) in residual.iter().zip(&solution.trees).enumerate() {
+        for (f, (light, tree)) in change.iter().zip(&solution.trees).enumerate() {
             if self.held[f].note(tree, light) {
                 self.transport.hold(f, &self.held[f]);
             }
@@ -98,24 +100,20 @@ impl IndirectField<'_> {
         // What the residual brings about at the coarse nodes: itself gathered once, and all further bounces of that.
         let all = self
             .transport
-            .solve(mesh, &residual, self.request.method())
+            .solve(mesh, &change, self.request.method())
             .expect("the same links have been solved before")
             .values;
-        // Of a large scene that is a lot of memory.
-        drop(residual);
         let at = self.transport.field(&all);
-        let (trees, held, old) = (&solution.trees, &self.held, &solution.light.faces);
-        let change: Vec<FaceLight> = new
-            .par_iter_mut()
+        let (trees, held) = (&solution.trees, &self.held);
+        new.par_iter_mut()
+            .zip(&mut change)
             .zip(&mesh.faces)
             .enumerate()
-            .map(|(f, (light, face))| {
-                light.add(&trees[f], &held[f], |p| {
+            .for_each(|(f, ((light, change), face))| {
+                light.add(change, &trees[f], &held[f], |p| {
                     Radiosity(face.reflectance * at.at(face, f, p).0)
                 });
-                light.minus(&old[f], &trees[f])
-            })
-            .collect();
+            });
         solution.light = Sources::new(mesh, new, 0.0);
         (change, all)
     }

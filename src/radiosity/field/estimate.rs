@@ -28,7 +28,7 @@ impl IndirectField<'_> {
         let (_, light) = residual(
             &solution.mesh,
             &mut trees,
-            &solution.light.faces,
+            solution.light.faces.iter().collect(),
             self.request.error,
             |face, f, p| direct(face, f, p) + self.faces[f].at(p),
         );

@@ -7,7 +7,6 @@ use crate::mesh::{GridPoint, Inset, MeshError, ReceiverMesh};
 use crate::quantity::Irradiance;
 use glam::DVec2;
 use std::collections::HashMap;
-use std::sync::Arc;
 
 /// An element whose longest edge is shorter than this many pixels is not divided.
 const SMALLEST_EDGE_PX: f64 = 64.0;
@@ -62,7 +61,7 @@ impl FieldFace {
                 inset.accepts(step, place.middle).then_some(known)
             })
             .collect();
-        self.locator = Arc::new(Locator::new(&mesh));
+        self.locator = Locator::new(&mesh);
         self.mesh = mesh;
         self.known = known;
         self.sites = kept

@@ -46,8 +46,8 @@ use std::borrow::Borrow;
 /// Share of the permitted squared error that may stay in places where nothing more is bought.
 const UNMARKED_SHARE: f64 = 0.5;
 
-/// Rounds of buying: enough for six halvings of an element, each of three steps.
-const MAX_ROUNDS: usize = 24;
+/// Rounds of buying: enough for twelve halvings of an element's longest edge, each of three steps.
+const MAX_ROUNDS: usize = 36;
 
 /// The mistakes of rays at a point that is shown may be so many times as large: what comes back of them is a mean over many, and
 /// they are small beside what interpolation misses. In two rooms of 3 000 and 5 000 triangles gathers took .6 of the time for the

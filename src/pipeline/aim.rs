@@ -6,7 +6,7 @@ use super::stages::Mesher;
 
 /// Shares of the permitted error that interpolation over the display mesh and the indirect field may use; errors add in
 /// squares, and the rest is left to the solution and to what the estimates miss. With more to the display mesh, .8 and .45, or .7
-/// and .5 of it, four rooms took 1.1 to 1.4 times as long to be as good: gathers are dear.
+/// and .5 of it, four rooms took 1.1 to 1.5 times as long for the same error: gathers are dear.
 const DISPLAY_SHARE: f64 = 0.6;
 const FIELD_SHARE: f64 = 0.6;
 

@@ -218,9 +218,10 @@ impl FieldFace {
     /// Takes the mean that the whole face had for what its elements have, where the corners alone tell another one: light that
     /// falls between them.
     fn inherit(&mut self, uniform: Uniform) {
-        let more = uniform.value - self.power() * self.area().recip();
+        let area = self.area();
+        let more = uniform.value - self.power() * area.recip();
         let off = more.0.mean_square();
-        if off <= uniform.unseen() {
+        if area <= 0.0 || off <= uniform.unseen() {
             return;
         }
         for e in 0..self.known.len() {

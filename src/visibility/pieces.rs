@@ -3,6 +3,7 @@
 use super::cone::{ConeSide, Piece, RoundCone, SIDE_ROUNDOFF};
 use super::{Cone, Cones};
 use glam::DVec3;
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// A piece that more cones than this may touch is halved first: each half is touched by fewer, and what those leave of it is not
@@ -60,7 +61,7 @@ impl Pieces {
     }
 
     fn piece(&self, range: PieceRange) -> &[Corner] {
-        &self.corners[range.from as usize..range.to as usize]
+        range.of(&self.corners)
     }
 
     /// Whether nothing is left.
@@ -92,9 +93,9 @@ impl Pieces {
     pub(super) fn subtract_all(&mut self, cones: &Cones) -> bool {
         self.touching.clear();
         self.touching.extend(0..cones.len() as u32);
-        let whole = std::mem::take(&mut self.ranges);
+        let whole: SmallVec<[PieceRange; 1]> = self.ranges.drain(..).collect();
         let mut is_cut = false;
-        for &range in &whole {
+        for range in whole {
             is_cut |= self.carve(range, cones, 0..cones.len(), FUTILE_HALVINGS);
         }
         is_cut
@@ -153,10 +154,7 @@ impl Pieces {
     /// Appends to `touching` those of the `cones` listed there in `among` that touch a piece; false when one hides all of it.
     fn touch(&mut self, range: &mut PieceRange, cones: &Cones, among: Range<usize>) -> bool {
         *range = range.with_hull(&self.corners);
-        let (piece, hull) = (
-            &self.corners[range.from as usize..range.to as usize],
-            range.hull,
-        );
+        let (piece, hull) = (range.of(&self.corners), range.hull);
         for i in among {
             let number = self.touching[i];
             let cone = cones.get(number as usize);
@@ -244,8 +242,7 @@ impl Pieces {
     /// Takes a piece as the rest that is to be cut.
     fn hold(&mut self, range: PieceRange) {
         self.rest.clear();
-        self.rest
-            .extend_from_slice(&self.corners[range.from as usize..range.to as usize]);
+        self.rest.extend_from_slice(range.of(&self.corners));
     }
 
     /// Fills in the heights of the rest above a side; returns whether any is positive and whether any is negative.
@@ -299,10 +296,15 @@ impl PieceRange {
         }
     }
 
+    /// Its own of the `corners` of all pieces.
+    fn of(self, corners: &[Corner]) -> &[Corner] {
+        &corners[self.from as usize..self.to as usize]
+    }
+
     /// The same with a cone around its corners, which are among `corners`.
     fn with_hull(mut self, corners: &[Corner]) -> Self {
         if !self.has_hull {
-            let own = &corners[self.from as usize..self.to as usize];
+            let own = self.of(corners);
             self.hull = RoundCone::new(own.iter().map(|c| (c.direction, c.length)));
             self.has_hull = true;
         }

@@ -1,4 +1,5 @@
-//! Elements that are off by too much: meshed anew with their long edges halved, and nothing gathered twice.
+//! Elements that are off by too much: meshed anew with their long edges halved, and nothing gathered twice but for
+//! borders, where what was taken beside a large element may lie in the middle of a small one.
 
 use super::super::SolveFace;
 use super::super::locator::Locator;

@@ -69,7 +69,7 @@ fn past_face(
     let mut stretches = Vec::new();
     for polygon in polygons {
         if let Some(strip) = Strip::new(scene, polygon, face, plane) {
-            strip.landings(light, &mut stretches);
+            strip.landings(search, &mut stretches);
         }
     }
     let mut scratch = Scratch::default();
@@ -145,8 +145,8 @@ impl<'s> Strip<'s> {
     }
 
     /// Appends the stretches that the points of the segment light past the face.
-    fn landings(&self, light: &DirectLight, out: &mut Vec<Landing>) {
-        let Some(view) = self.view(light) else {
+    fn landings(&self, search: &Search, out: &mut Vec<Landing>) {
+        let Some(view) = self.view(search) else {
             return;
         };
         let own = self.ends_of_faces(&view);
@@ -182,9 +182,10 @@ impl<'s> Strip<'s> {
         plane.normal.cross(self.plane.normal)
     }
 
-    /// The plane with the face's corners ahead of the emitter and all that rays past them meet.
-    fn view(&self, light: &DirectLight) -> Option<PlaneView> {
+    /// The plane with the face's corners ahead of the emitter and all that rays past them meet, unless that is too much.
+    fn view(&self, search: &Search) -> Option<PlaneView> {
         let (scene, tol) = (self.scene, self.scene.weld_distance);
+        let (blockers, most) = (search.light.blockers, search.worth.most_in_the_way());
         let mut view = PlaneView {
             length: self.cut[0].distance(self.cut[1]),
             points: Vec::new(),
@@ -202,14 +203,20 @@ impl<'s> Strip<'s> {
         }
         let region = self.region(&view)?;
         let mut parts = Vec::new();
-        light.blockers.query(&region, |i| parts.push(i));
+        blockers.query_while(&region, |i| {
+            parts.push(i);
+            parts.len() <= most
+        });
+        if parts.len() > most {
+            return None;
+        }
         parts.sort_unstable();
         for i in parts {
-            let part = light.blockers.part(i);
+            let part = blockers.part(i);
             if part.face == self.face {
                 continue;
             }
-            let cut = wedge::cut_of_part(scene, light.blockers, part, &self.plane, |_| false);
+            let cut = wedge::cut_of_part(scene, blockers, part, &self.plane, |_| false);
             if let Some(cut) = cut {
                 self.add(&mut view, &cut);
             }

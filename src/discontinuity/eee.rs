@@ -35,9 +35,15 @@ struct Swath<'a> {
     /// +1 when the sight line runs along the ruling's direction.
     sense: f64,
     is_rim_first: bool,
-    /// Parts of faces that the rulings may meet.
+    /// The parts of faces that may stand in the way, ascending: between the outer edges, and from there to the emitter.
     parts: Vec<u32>,
 }
+
+/// A stretch of parameters.
+type Span = (f64, f64);
+
+/// What rulings may meet: at which parameters, and which edges there.
+type Meetings = Vec<(f64, EdgeId)>;
 
 /// Where a sight line meets a face, metres along it.
 type Hit = (f64, FaceId);
@@ -81,8 +87,9 @@ pub(super) fn trace(search: &Search, triple: Triple) -> Arcs {
                 is_rim_first: rim.is_some(),
                 parts: Vec::new(),
             };
-            swath.collect_parts(from, to);
-            swath.follow(from, to, &mut out);
+            if swath.collect_parts((from, to)) {
+                swath.follow((from, to), &mut out);
+            }
         }
     }
     out.next.sort_unstable();
@@ -91,47 +98,80 @@ pub(super) fn trace(search: &Search, triple: Triple) -> Arcs {
 }
 
 impl Swath<'_> {
-    /// Finds the parts that rulings between two parameters may meet: between the outer edges and beyond them.
-    fn collect_parts(&mut self, from: f64, to: f64) {
-        let blockers = self.search.light.blockers;
-        let (first, last) = (self.order[0], self.order[2]);
-        let [a, b] = [from, to].map(|t| self.regulus.ruling(t).points);
-        let [near, far] = [[a[first], b[first]], [a[last], b[last]]];
+    /// Finds the parts that may hide the emitter from what lies beyond the last edge; false when no ruling comes from it, or too
+    /// many are in the way.
+    fn collect_parts(&mut self, span: Span) -> bool {
+        let (scene, blockers) = (self.search.scene, self.search.light.blockers);
         let tol = blockers.weld_distance();
-        let mut regions = vec![between(near, far, tol), beyond(near, far, tol)];
+        let [near, far] = self.outer_edges(span);
+        let passage = between(near, far, tol);
+        if blockers.are_more_than(self.search.worth.most_in_the_way(), &passage) {
+            return false;
+        }
+        let mut parts = Vec::new();
         if !self.is_rim_first {
-            regions.push(beyond(far, near, tol));
+            let emitter = scene.emitters[self.triple.emitter];
+            let corners = scene.faces[emitter.face].loops.iter().flatten();
+            let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
+            let mut towards = beyond(far, near, tol);
+            if !towards.may_meet_polygon(&corners, 0.0) {
+                return false;
+            }
+            towards.bounds = bounds(near.iter().chain(&corners), tol);
+            self.collect(&towards, &mut parts);
         }
-        for region in &regions {
-            blockers.query(region, |i| {
-                if region.may_meet_polygon(blockers.corners(blockers.part(i)), 0.0) {
-                    self.parts.push(i);
-                }
-            });
-        }
-        self.parts.sort_unstable();
-        self.parts.dedup();
+        self.collect(&passage, &mut parts);
+        parts.sort_unstable();
+        parts.dedup();
+        self.parts = parts;
+        true
     }
 
-    /// Follows the rulings between two parameters, event by event.
-    fn follow(&self, from: f64, to: f64, out: &mut Arcs) {
-        let (cuts, others) = self.events(from, to);
-        let mut open: Option<(Lit, f64, f64)> = None;
-        let mut lit_spans: Vec<(f64, f64)> = Vec::new();
-        for pair in cuts.windows(2) {
-            let lit = self.lit(0.5 * (pair[0] + pair[1]));
-            match (&mut open, lit) {
-                (Some((before, _, end)), Some(now)) if *before == now => *end = pair[1],
-                _ => {
-                    if let Some((lit, a, b)) = open.take() {
-                        lit_spans.extend(self.land(lit, a, b, &mut out.arcs).then_some((a, b)));
-                    }
-                    open = lit.map(|lit| (lit, pair[0], pair[1]));
-                }
+    /// The stretches of the first and of the last edge that rulings between two parameters meet.
+    fn outer_edges(&self, (from, to): Span) -> [[DVec3; 2]; 2] {
+        let [a, b] = [from, to].map(|t| self.regulus.ruling(t).points);
+        [self.order[0], self.order[2]].map(|i| [a[i], b[i]])
+    }
+
+    /// Appends the parts that may meet a region and on which none of the three edges lies.
+    fn collect(&self, region: &Region, parts: &mut Vec<u32>) {
+        let blockers = self.search.light.blockers;
+        let is_own = |e: &Option<EdgeId>| e.is_some_and(|e| self.edges.contains(&e));
+        blockers.query(region, |i| {
+            let part = blockers.part(i);
+            if region.may_meet_polygon(blockers.corners(part), 0.0)
+                && !blockers.edges(part).iter().any(is_own)
+            {
+                parts.push(i);
             }
-        }
-        if let Some((lit, a, b)) = open {
-            lit_spans.extend(self.land(lit, a, b, &mut out.arcs).then_some((a, b)));
+        });
+    }
+
+    /// Follows the rulings between two parameters, event by event: first to the last edge, then those that got there.
+    fn follow(&self, span: Span, out: &mut Arcs) {
+        let mut others = self.meetings(&self.parts, span);
+        let silhouettes = self.edges.iter().flat_map(|&e| {
+            let faces = self.search.scene.edges[e].uses.iter().map(|u| u.face);
+            faces.flat_map(|f| {
+                let n = self.search.scene.faces[f].frame.n;
+                self.regulus.parallels(n, span.0, span.1)
+            })
+        });
+        let events = others.iter().map(|o| o.0).chain(silhouettes);
+        let shone: Vec<(Span, ())> = constant(span, events, |t| self.is_shone(t).then_some(()));
+        let mut lit_spans: Vec<Span> = Vec::new();
+        for (span, ()) in shone {
+            let [near, far] = self.outer_edges(span);
+            let tol = self.search.light.blockers.weld_distance();
+            let mut parts = Vec::new();
+            self.collect(&beyond(near, far, tol), &mut parts);
+            parts.sort_unstable();
+            let met = self.meetings(&parts, span);
+            let events = met.iter().map(|o| o.0);
+            for (span, lit) in constant(span, events, |t| self.landing(t, &parts)) {
+                lit_spans.extend(self.land(lit, span, &mut out.arcs).then_some(span));
+            }
+            others.extend(met);
         }
         // A fourth edge on a lit ruling shares it with each pair of the three.
         for (t, fourth) in others {
@@ -147,36 +187,24 @@ impl Swath<'_> {
         }
     }
 
-    /// The sorted parameters at which something may change, ends included, and which edges rulings meet where.
-    fn events(&self, from: f64, to: f64) -> (Vec<f64>, Vec<(f64, EdgeId)>) {
+    /// At which parameters inside a span rulings meet edges of `parts`.
+    fn meetings(&self, parts: &[u32], (from, to): Span) -> Meetings {
         let (scene, blockers) = (self.search.scene, self.search.light.blockers);
-        let mut edges: Vec<EdgeId> = self
-            .parts
+        let mut edges: Vec<EdgeId> = parts
             .iter()
             .flat_map(|&i| blockers.edges(blockers.part(i)).iter().flatten().copied())
             .filter(|e| !self.edges.contains(e))
             .collect();
         edges.sort_unstable();
         edges.dedup();
-        let mut others = Vec::new();
+        let mut met = Meetings::new();
         for e in edges {
             let ends = scene.edges[e].ends.map(|v| scene.vertices[v]);
-            for t in self.regulus.meetings(ends, from, to) {
-                if self.meets_within(t, ends) {
-                    others.push((t, e));
-                }
-            }
+            let all = self.regulus.meetings(ends, from, to);
+            let within = all.into_iter().filter(|&t| self.meets_within(t, ends));
+            met.extend(within.map(|t| (t, e)));
         }
-        let mut cuts: Vec<f64> = others.iter().map(|o| o.0).chain([from, to]).collect();
-        for e in self.edges {
-            for u in &scene.edges[e].uses {
-                let n = scene.faces[u.face].frame.n;
-                cuts.extend(self.regulus.parallels(n, from, to));
-            }
-        }
-        cuts.sort_unstable_by(f64::total_cmp);
-        cuts.dedup();
-        (cuts, others)
+        met
     }
 
     /// True when the ruling at `t`, which meets the line through `ends`, does so between them, within the weld distance.
@@ -189,48 +217,53 @@ impl Swath<'_> {
         s >= -slack && s <= 1.0 + slack
     }
 
-    /// What the ruling at `t` lights: none when it grazes no three silhouettes, is blocked, or no emitter is behind.
-    fn lit(&self, t: f64) -> Option<Lit> {
-        let (scene, blockers) = (self.search.scene, self.search.light.blockers);
+    /// The direction of light along the ruling at `t`, and where it meets the first and the last edge.
+    fn sight_line(&self, t: f64) -> (DVec3, [DVec3; 2]) {
         let ruling = self.regulus.ruling(t);
-        let d = ruling.direction * self.sense;
-        if d == DVec3::ZERO || !self.grazes(d) {
-            return None;
-        }
-        let start = ruling.points[self.order[0]];
-        let first = 0.0;
-        let last = (ruling.points[self.order[2]] - start).dot(d);
+        let ends = [self.order[0], self.order[2]].map(|i| ruling.points[i]);
+        (ruling.direction * self.sense, ends)
+    }
+
+    /// True when the emitter shines along the ruling at `t` past three silhouettes.
+    fn is_shone(&self, t: f64) -> bool {
+        let (scene, blockers) = (self.search.scene, self.search.light.blockers);
+        let (d, [start, end]) = self.sight_line(t);
         let emitter = scene.emitters[self.triple.emitter];
         let shines = scene.normal(emitter.face, emitter.side).dot(d) > 0.0;
-        let (mut landing, mut behind): (Option<Hit>, Option<Hit>) = (None, None);
+        if !shines || !self.grazes(d) {
+            return false;
+        }
+        let last = (end - start).dot(d);
+        let mut source: Option<Hit> = None;
         let mut hits: SmallVec<[Hit; 8]> = SmallVec::new();
         for &i in &self.parts {
             let part = blockers.part(i);
-            let is_own = |e: &Option<EdgeId>| e.is_some_and(|e| self.edges.contains(&e));
-            if blockers.edges(part).iter().any(is_own) {
-                continue;
-            }
             let Some(at) = hit(part.plane, blockers.corners(part), start, d) else {
                 continue;
             };
-            if at > first && at < last {
-                return None;
+            if at > 0.0 && at < last {
+                return false;
             }
-            if at >= last {
-                if landing.is_none_or(|(near, _)| at < near) {
-                    landing = Some((at, part.face));
-                }
-            } else if !self.is_rim_first {
+            if at <= 0.0 && !self.is_rim_first {
                 if part.face == emitter.face {
-                    behind = Some((at, part.face));
+                    source = Some((at, part.face));
                 }
                 hits.push((at, part.face));
             }
         }
-        if !shines || (!self.is_rim_first && !self.is_first(behind?, &hits)) {
-            return None;
-        }
-        let (_, face) = landing?;
+        self.is_rim_first || source.is_some_and(|source| self.is_first(source, &hits))
+    }
+
+    /// What the ruling at `t` meets first of `parts` beyond the last edge, if that receives light.
+    fn landing(&self, t: f64, parts: &[u32]) -> Option<Lit> {
+        let (scene, blockers) = (self.search.scene, self.search.light.blockers);
+        let (d, [_, start]) = self.sight_line(t);
+        let hits = parts.iter().filter_map(|&i| {
+            let part = blockers.part(i);
+            let at = hit(part.plane, blockers.corners(part), start, d)?;
+            (at >= 0.0).then_some((at, part.face))
+        });
+        let (_, face) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let side = if scene.faces[face].frame.n.dot(d) < 0.0 {
             FaceSide::Front
         } else {
@@ -305,7 +338,7 @@ impl Swath<'_> {
     }
 
     /// Adds the arc that the rulings between two parameters draw; false when it is too short or too weak.
-    fn land(&self, lit: Lit, from: f64, to: f64, arcs: &mut Vec<Arc>) -> bool {
+    fn land(&self, lit: Lit, (from, to): Span, arcs: &mut Vec<Arc>) -> bool {
         let (scene, search) = (self.search.scene, self.search);
         let arc = self
             .regulus
@@ -347,6 +380,28 @@ impl Swath<'_> {
     }
 }
 
+/// The stretches of `span` over which `found` is the same and not none, where that may change at `events` only.
+fn constant<T: Copy + PartialEq>(
+    span: Span,
+    events: impl Iterator<Item = f64>,
+    found: impl Fn(f64) -> Option<T>,
+) -> Vec<(Span, T)> {
+    let mut cuts: Vec<f64> = events.chain([span.0, span.1]).collect();
+    cuts.sort_unstable_by(f64::total_cmp);
+    cuts.dedup();
+    let mut out: Vec<(Span, T)> = Vec::new();
+    for pair in cuts.windows(2) {
+        let Some(now) = found(0.5 * (pair[0] + pair[1])) else {
+            continue;
+        };
+        match out.last_mut() {
+            Some(((_, end), before)) if *end == pair[0] && *before == now => *end = pair[1],
+            _ => out.push(((pair[0], pair[1]), now)),
+        }
+    }
+    out
+}
+
 /// Where a ray from `start` in direction `d` (unit) meets a convex polygon, metres along it, in front or behind.
 fn hit(plane: Plane, corners: &[DVec3], start: DVec3, d: DVec3) -> Option<f64> {
     let at = -plane.distance(start) / plane.normal.dot(d);
@@ -360,13 +415,17 @@ fn hit(plane: Plane, corners: &[DVec3], start: DVec3, d: DVec3) -> Option<f64> {
 
 /// The tetrahedron of two segments: every line that meets both lies in it between them.
 fn between(near: [DVec3; 2], far: [DVec3; 2], slack: f64) -> Region {
-    let pad = DVec3::splat(slack);
     let points = [near[0], near[1], far[0], far[1]];
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let mut region = tetrahedron(points, [1.0; 4], slack);
-    region.bounds = (low - pad, high + pad);
+    region.bounds = bounds(points.iter(), slack);
     region
+}
+
+/// The box around `points` and `slack` beyond.
+fn bounds<'a>(points: impl Iterator<Item = &'a DVec3>, slack: f64) -> (DVec3, DVec3) {
+    let whole = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = points.fold(whole, |(low, high), &p| (low.min(p), high.max(p)));
+    (low - slack, high + slack)
 }
 
 /// What lines from `near` through `far` can reach beyond: there the tetrahedron's coordinates of `near` are negative.

@@ -30,10 +30,6 @@ type Sight = Vec<(DVec3, f64)>;
 /// Sides of the cone that the tree of blockers is asked with: of more corners some are left out, which widens the cone.
 const FEW_SIDES: usize = 8;
 
-/// Parts in the boxes between a vertex and an emitter from which on, in scenes of too many features, it is not looked through
-/// the vertex.
-const CLUTTER: usize = 256;
-
 /// All NVE wedges with their apex at `vertex`.
 pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Scratch) -> Found {
     let mut found = Found::default();
@@ -55,7 +51,7 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
             corners: &polygon.corners,
             plane: polygon.plane,
         };
-        if search.worth.view > 0.0 && is_cluttered(search, eye, &polygon.corners) {
+        if is_cluttered(search, eye, &polygon.corners) {
             continue;
         }
         let mut sights: Vec<Sight> = Vec::new();
@@ -84,15 +80,11 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
     found
 }
 
-/// Whether so much stands between `eye` and an emitter that only bits of that are seen: no line that they draw is worth it.
+/// Whether too much stands between `eye` and an emitter.
 fn is_cluttered(search: &Search, eye: DVec3, corners: &[DVec3]) -> bool {
-    let mut count = 0;
     let region = Region::pyramid(eye, corners);
-    search.light.blockers.query_while(&region, |_| {
-        count += 1;
-        count <= CLUTTER
-    });
-    count > CLUTTER
+    let most = search.worth.most_in_the_way();
+    search.light.blockers.are_more_than(most, &region)
 }
 
 /// The edges that sight lines through the vertex may cross on their way from the emitter (`is_ahead`) or from there on.

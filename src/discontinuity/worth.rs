@@ -24,6 +24,10 @@ const MOST_PLANES: usize = 40_000;
 /// Triples of edges that are followed.
 const MOST_TRIPLES: usize = 50_000;
 
+/// Parts in the way of one view, plane or ruling from which on, in scenes of too many features, it is not followed: light comes
+/// through in bits too small for any line that they draw.
+const CLUTTER: usize = 256;
+
 /// Ranks are told apart by this many steps to a factor of two, over so many factors.
 const STEPS: f64 = 8.0;
 const FACTORS: f64 = 64.0;
@@ -106,6 +110,15 @@ impl Worth {
     /// Whether something ranks too low to be looked at.
     pub(super) fn is_partial(&self) -> bool {
         self.wedge > 0.0 || self.view > 0.0 || self.plane > 0.0
+    }
+
+    /// The most parts that may stand in the way of what is followed.
+    pub(super) fn most_in_the_way(&self) -> usize {
+        if self.is_partial() {
+            CLUTTER
+        } else {
+            usize::MAX
+        }
     }
 
     /// The most that the emitter can give at the nearest of the box around `points`, times `length`, W/m.

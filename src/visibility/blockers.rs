@@ -212,6 +212,18 @@ impl Blockers {
         self.tree.query_while(region, visit);
     }
 
+    /// True when the boxes of more than `most` parts meet `region`.
+    pub fn are_more_than(&self, most: usize, region: &Region) -> bool {
+        let mut count = 0;
+        if most < self.parts.len() {
+            self.query_while(region, |_| {
+                count += 1;
+                count <= most
+            });
+        }
+        count > most
+    }
+
     /// Rays against all faces, as triangles.
     pub fn rays(&self) -> &RayCaster {
         &self.rays

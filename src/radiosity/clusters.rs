@@ -226,6 +226,7 @@ mod tests {
     fn none_is_cut_where_rays_will_do_or_there_is_no_light() {
         let few = Sweep {
             noise: f64::INFINITY,
+            together: f64::INFINITY,
             rays: RAYS,
         };
         assert!(cut(2.0, Some(few)).is_empty());

@@ -10,10 +10,12 @@ use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
 use super::clusters::Sources;
 use super::kernel::{Basis, Corner, split};
-use super::sweep::{Sweep, met};
+use super::sweep::{RUNS, Runs, Sweep, met};
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
 use crate::mesh::barycentric;
+use crate::quantity::Irradiance;
+use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Cones, Region, Relation, Scratch, Viewpoint};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -61,6 +63,24 @@ pub struct Gatherer<'a> {
     /// For each side whether it is cut exactly, and those that are.
     is_cut: Vec<bool>,
     cut: Vec<usize>,
+    /// What rays have met.
+    hits: Vec<Hit>,
+}
+
+/// A point of a cell that a ray has met, by what the light at each corner counts there.
+struct Hit {
+    face: usize,
+    cell: usize,
+    weights: [f64; 3],
+}
+
+impl Hit {
+    /// What arrives if all rays find it.
+    fn light(&self, sources: &Sources) -> Irradiance {
+        let corners = &sources.faces[self.face].cells[self.cell].corners;
+        let parts = corners.iter().zip(self.weights);
+        parts.fold(Irradiance::ZERO, |sum, (b, w)| sum + Irradiance(b.0 * w))
+    }
 }
 
 /// Gatherers to lend: making one takes as long as there are faces, and most faces have nothing to gather.
@@ -115,6 +135,7 @@ impl<'a> Gatherer<'a> {
             touching: Vec::new(),
             is_cut: vec![false; mesh.faces.len()],
             cut: Vec::new(),
+            hits: Vec::new(),
         }
     }
 
@@ -142,7 +163,7 @@ impl<'a> Gatherer<'a> {
             self.side(view, oracle, f, sink);
         }
         if let Some(sweep) = oracle.sweep {
-            self.swept(view, oracle, sweep.rays, sink);
+            self.swept(view, oracle, sweep, sink);
         }
         for f in cut.drain(..) {
             self.is_cut[f] = false;
@@ -195,26 +216,60 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// What an even set of rays meets of the sides that are not cut.
+    /// What an even set of rays meets of the sides that are not cut: more of them where those that were cast do not agree.
     fn swept(
+        &mut self,
+        view: &Viewpoint,
+        oracle: &Oracle,
+        sweep: Sweep,
+        sink: &mut impl FnMut(usize, usize, [f64; 3]),
+    ) {
+        let mut hits = std::mem::take(&mut self.hits);
+        let mut runs = Runs::default();
+        let (mut cast, mut rays, mut old) = (0, sweep.rays, 0);
+        loop {
+            let parts = (RUNS - old) as u32;
+            let start = |part: usize| cast + (rays - cast) * part as u32 / parts;
+            for run in old..RUNS {
+                let numbers = start(run - old)..start(run - old + 1);
+                for (face, side, point) in met(self.blockers, view, numbers) {
+                    if let Some(hit) = self.hit(view, oracle, (face, side), point) {
+                        runs.sums[run] += hit.light(oracle.sources);
+                        hits.push(hit);
+                    }
+                }
+            }
+            cast = rays;
+            if !sweep.goes_on(&runs, rays) {
+                break;
+            }
+            runs.join();
+            (rays, old) = (2 * rays, RUNS / 2);
+        }
+        let share = 1.0 / f64::from(rays);
+        for hit in hits.drain(..) {
+            sink(hit.face, hit.cell, hit.weights.map(|w| w * share));
+        }
+        self.hits = hits;
+    }
+
+    /// What a ray meets at `point` of a side, unless that is cut.
+    fn hit(
         &self,
         view: &Viewpoint,
         oracle: &Oracle,
-        rays: u32,
-        sink: &mut impl FnMut(usize, usize, [f64; 3]),
-    ) {
-        let share = 1.0 / f64::from(rays);
-        for (face, side, point) in met(self.blockers, view, 0..rays) {
-            let Some(f) = self.mesh.number(face, side).filter(|&f| !self.is_cut[f]) else {
-                continue;
-            };
-            let walk = self.walk(view, oracle, f);
-            let p = walk.face.domain.frame.to_plane(point);
-            if let Some(c) = walk.cell_at(p) {
-                let weights = barycentric(walk.tree.cells[c].flat, p);
-                sink(f, c, weights.map(|w| w * share));
-            }
-        }
+        (face, side): (FaceId, FaceSide),
+        point: DVec3,
+    ) -> Option<Hit> {
+        let f = self.mesh.number(face, side).filter(|&f| !self.is_cut[f])?;
+        let walk = self.walk(view, oracle, f);
+        let p = walk.face.domain.frame.to_plane(point);
+        let c = walk.cell_at(p)?;
+        Some(Hit {
+            face: f,
+            cell: c,
+            weights: barycentric(walk.tree.cells[c].flat, p),
+        })
     }
 
     /// As [`Gatherer::visit`] by these rays of an even set alone, taking the light as even over whole roots: right to a few

@@ -1,6 +1,7 @@
 //! An even set of rays over the hemisphere: what tells a point of all that is neither bright nor small.
 
 use crate::geom::even_point;
+use crate::quantity::Irradiance;
 use crate::scene::{FaceId, FaceSide};
 use crate::visibility::{Blockers, Viewpoint};
 use glam::DVec3;
@@ -10,6 +11,12 @@ use std::ops::Range;
 /// Rays of a sweep. What they do not tell well enough is cut, so that their number trades rays for cutting: in rooms of 4 500
 /// and 31 000 triangles a gather costs about the same from 128 to 512 rays, and 1.7 to 3 times as much with 4 096.
 pub(super) const RAYS: u32 = 256;
+
+/// And no more, however much they differ.
+const MOST_RAYS: u32 = 16 * RAYS;
+
+/// Runs of rays, one after the other, that are compared.
+pub(super) const RUNS: usize = 4;
 
 /// And no fewer, however faint all light is.
 const FEWEST_RAYS: f64 = 16.0;
@@ -27,7 +34,9 @@ pub(super) fn rays_for(part: f64, whole: f64) -> u32 {
 pub(super) struct Sweep {
     /// A side about which they may be wrong by more than this (W/m²) is cut exactly.
     pub(super) noise: f64,
-    /// Their number.
+    /// About all that is left to them together they may be wrong by so much, W/m²: there are more of them until they are not.
+    pub(super) together: f64,
+    /// Their number at first.
     pub(super) rays: u32,
 }
 
@@ -49,6 +58,44 @@ impl Sweep {
     /// Whether the rays will do for such a source.
     pub(super) fn is_enough(self, brightest: f64, arriving: f64) -> bool {
         Self::noise_of(brightest, arriving, self.rays) <= self.noise
+    }
+}
+
+/// What rays have met of the light: the sums over [`RUNS`] runs of as many rays each, one after the other.
+///
+/// Every run of the set is even by itself, so that how far they are apart tells how far they are off; sides that are each too
+/// faint to be cut may be many.
+#[derive(Default)]
+pub(super) struct Runs {
+    pub(super) sums: [Irradiance; RUNS],
+}
+
+impl Runs {
+    /// Makes one of every two runs; the others are empty then.
+    pub(super) fn join(&mut self) {
+        for i in 0..RUNS {
+            self.sums[i] = match self.sums.get(2 * i..2 * i + 2) {
+                Some(two) => two[0] + two[1],
+                None => Irradiance::ZERO,
+            };
+        }
+    }
+
+    /// By how much the mean over all of so many rays may be wrong (rms over the channels, W/m²).
+    pub(super) fn noise(&self, rays: u32) -> f64 {
+        let runs = RUNS as f64;
+        let mean = self.sums.iter().fold(Irradiance::ZERO, |m, &s| m + s) * (1.0 / runs);
+        let squares: f64 = self.sums.iter().map(|&s| (s - mean).0.mean_square()).sum();
+        let of_one = (squares / (runs - 1.0)).sqrt() * runs / f64::from(rays);
+        // Even rays fall off with the power ¾ of their number, as in `noise_of`.
+        of_one / runs.powf(0.75)
+    }
+}
+
+impl Sweep {
+    /// Whether so many rays are to be followed by as many more.
+    pub(super) fn goes_on(self, runs: &Runs, rays: u32) -> bool {
+        rays < MOST_RAYS && self.together < f64::INFINITY && runs.noise(rays) > self.together
     }
 }
 
@@ -87,6 +134,7 @@ fn direction(n: DVec3, i: u32) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Rgb;
 
     #[test]
     fn the_less_light_the_fewer_rays() {
@@ -97,6 +145,49 @@ mod tests {
             .map(|(light, rays)| Sweep::noise_of(light, 0.3 * light, rays));
         assert!((half / all - 1.0).abs() < 0.02, "{half} of {all}");
         assert_eq!(rays_for(0.0, 0.0), FEWEST_RAYS as u32);
+    }
+
+    #[test]
+    fn runs_that_are_apart_tell_how_far_all_are_off() {
+        let (mut off, mut told) = (0.0, 0.0);
+        for rays in [64, 256, 1024] {
+            for k in 1..100 {
+                let a = f64::from(k) / 100.0 * std::f64::consts::FRAC_PI_2;
+                let known = 0.5 * (1.0 - a.sin());
+                let mut runs = Runs::default();
+                let parts = RUNS as u32;
+                for (i, sum) in runs.sums.iter_mut().enumerate() {
+                    let [from, to] = [i as u32, i as u32 + 1].map(|i| lune(a, i * rays / parts));
+                    let [from, to] = [(from, i as u32), (to, i as u32 + 1)]
+                        .map(|(share, i)| share * f64::from(i * rays / parts));
+                    *sum = Irradiance(Rgb::grey(if i == 0 { to } else { to - from }));
+                }
+                off += (lune(a, rays) - known).powi(2);
+                told += runs.noise(rays).powi(2);
+            }
+        }
+        let ratio = f64::sqrt(told / off);
+        assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn rays_go_on_until_they_agree_or_are_too_many() {
+        let sums = |of: [f64; RUNS]| of.map(|s| Irradiance(Rgb::grey(s)));
+        let mut runs = Runs {
+            sums: sums([10.0, 14.0, 12.0, 20.0]),
+        };
+        let sweep = |together: f64| Sweep {
+            noise: 1.0,
+            together,
+            rays: RAYS,
+        };
+        let noise = runs.noise(RAYS);
+        assert!(sweep(0.9 * noise).goes_on(&runs, RAYS));
+        assert!(!sweep(1.1 * noise).goes_on(&runs, RAYS));
+        assert!(!sweep(0.0).goes_on(&runs, MOST_RAYS));
+        assert!(!sweep(f64::INFINITY).goes_on(&runs, RAYS));
+        runs.join();
+        assert_eq!(runs.sums, sums([24.0, 32.0, 0.0, 0.0]));
     }
 
     /// Share of the rays that meet the disc of form factor `f` around the normal: `sin² θ ≤ f`.

@@ -16,22 +16,19 @@ fn small_faces_with_dark_middles_are_gathered_where_they_are_lit() {
     let solution = bake(&world, 0.1, Bounces::All);
     let field = solution.indirect.as_ref().expect("the room reflects");
     let mut gatherer = field.gatherer();
-    let (mut squares, mut count) = (0.0, 0.0);
+    let (mut squares, mut light) = (0.0, 0.0);
     for p in surface_points(&solution, 6000, 3) {
         let receiver = &solution.receivers[p.receiver];
         if receiver.area() < LARGEST_SMALL {
             let f = receiver.solve_face.expect("it is lit");
-            let off = field.at(f, p.plane) - field.gather(&mut gatherer, &p.view(&solution));
-            squares += off.0.mean_square();
-            count += 1.0;
+            let there = field.gather(&mut gatherer, &p.view(&solution));
+            squares += (field.at(f, p.plane) - there).0.mean_square();
+            light += there.0.mean_square();
         }
     }
-    let off = (squares / count).sqrt() / field.mean();
-    // Many small faces may each be off by more than the whole; those with one dark value are off by all their light.
-    assert!(
-        off < 0.15,
-        "{off} of the mean indirect light, {count} points"
-    );
+    let off = (squares / light).sqrt();
+    // Small faces may be off by more than the whole; those with one dark value are off by all their light.
+    assert!(off < 0.5, "{off} of the light on them");
 }
 
 #[test]

@@ -10,20 +10,40 @@ use crate::radiosity::SolveMesh;
 pub(super) const LINK_SHARE: f64 = 0.2;
 const RAY_SHARE: f64 = 0.2;
 
+/// Share of the permitted error that rays may be wrong by together at a point that is shown.
+const TOGETHER_SHARE: f64 = 0.4;
+
+/// The mistakes of rays about one thing at a point that is shown may be so many times as large: what comes back of them is a mean
+/// over many, and they are small beside what interpolation misses. In two rooms of 3 000 and 5 000 triangles gathers took .6 of
+/// the time for the same error at as many points.
+const SHOWN_RAYS: f64 = 4.0;
+
 /// How good a gather is: what is not linear about cells right to `link`, what rays say to `ray`, W/m².
 #[derive(Clone, Copy)]
 pub(super) struct Accuracy {
     pub(super) link: f64,
     pub(super) ray: f64,
+    /// What all rays of an even set may be wrong by together, W/m².
+    pub(super) together: f64,
     /// Rays of an even set at first, where there are such.
     pub(super) sweep: u32,
 }
 
 impl Accuracy {
+    /// What is enough at a point that is shown, where this is enough for light that is reflected on.
+    pub(super) fn shown(self) -> Self {
+        Self {
+            together: TOGETHER_SHARE * self.ray,
+            ray: SHOWN_RAYS * self.ray,
+            ..self
+        }
+    }
+
     pub(super) fn times(self, factor: f64) -> Self {
         Self {
             link: self.link * factor,
             ray: self.ray * factor,
+            together: self.together * factor,
             ..self
         }
     }
@@ -39,6 +59,7 @@ pub(super) fn oracle<'s>(mesh: &SolveMesh, sources: &'s Sources, accuracy: Accur
         ray: if is_crowded { ray } else { 0.0 },
         sweep: (is_crowded && ray > 0.0).then_some(Sweep {
             noise: ray,
+            together: accuracy.together,
             rays: accuracy.sweep,
         }),
     }

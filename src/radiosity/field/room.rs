@@ -88,6 +88,7 @@ impl Room<'_> {
         let accuracy = Accuracy {
             link: accuracy,
             ray: accuracy / loss,
+            together: f64::INFINITY,
             sweep: RAYS,
         };
         let oracle = oracle(mesh, &sources, accuracy);

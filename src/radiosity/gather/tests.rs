@@ -113,6 +113,7 @@ fn rays_and_cutting_are_as_good_as_they_say() {
         ray: error,
         sweep: (error > 0.0).then_some(Sweep {
             noise: error,
+            together: f64::INFINITY,
             rays: RAYS,
         }),
     };
@@ -126,5 +127,26 @@ fn rays_and_cutting_are_as_good_as_they_say() {
         assert!(rms <= 4.0 * error, "{rms} for {error}");
         assert!(rms < 0.5 * last, "{rms} after {last}");
         last = rms;
+    }
+    // None is cut however bright it is: then the rays have to agree among themselves.
+    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    for share in [0.03, 0.01] {
+        let together = share * mean;
+        let oracle = Oracle {
+            sweep: Some(Sweep {
+                noise: f64::INFINITY,
+                together,
+                rays: RAYS,
+            }),
+            ..of(0.001)
+        };
+        let found = gathered(&mesh, &trees, &blockers, &oracle);
+        let squares = known.iter().zip(&found).map(|(k, f)| (k - f).powi(2));
+        let rms = (squares.sum::<f64>() / known.len() as f64).sqrt();
+        // Four runs tell their own spread to a factor of about two.
+        assert!(
+            (0.1..2.0).contains(&(rms / together)),
+            "{rms} for {together}"
+        );
     }
 }

@@ -19,6 +19,12 @@ const AIM_AGAIN: f64 = 0.9;
 /// A part is asked for no less than this share of what it is: half in squares. A bright spot or two may have made it so much.
 const LEAST_STEP: f64 = 0.7;
 
+/// A field that is off by more than this share of the error asked for makes the whole miss it, with what the display mesh is off by.
+const PROBED_MOST: f64 = 0.8;
+
+/// What it is to be off by then.
+const PROBED_AIM: f64 = 0.7;
+
 /// What the parts of a bake may be off by, as shares of the error asked for.
 pub(super) struct Aim {
     pub(super) mesher: Mesher,
@@ -48,6 +54,17 @@ impl Aim {
             most_field: FIELD_SHARE,
             weak,
         }
+    }
+
+    /// Whether the field, off by `found` of the mean before anything shows it, would make the whole miss its error.
+    pub(super) fn is_field_missed(&self, error: f64, found: f64) -> bool {
+        found > PROBED_MOST * error
+    }
+
+    /// Asks for as much more of it as that is too large; by now it is `expected` to be what it is.
+    pub(super) fn ask_more_of_field(&mut self, error: f64, found: f64, expected: f64) {
+        let step = (PROBED_AIM * error / found).max(LEAST_STEP);
+        self.field = step * expected / error;
     }
 
     /// Asks for as much more as the measured error is too large, of the parts that were found to be off by more than their share:
@@ -113,6 +130,18 @@ mod tests {
         let mut aim = aim();
         aim.ask_more(ERROR, &measured, Expected { mesh, field });
         [aim.display, aim.field]
+    }
+
+    #[test]
+    fn a_field_that_would_miss_it_alone_is_asked_for_what_the_rest_leaves() {
+        let mut aim = aim();
+        assert!(!aim.is_field_missed(ERROR, 0.75 * ERROR));
+        assert!(aim.is_field_missed(ERROR, 0.85 * ERROR));
+        // The estimate, which says half of what was found, has to fall as that has to.
+        aim.ask_more_of_field(ERROR, 0.9 * ERROR, 0.45 * ERROR);
+        assert!((aim.field - 0.35).abs() < ROUND_OFF, "{}", aim.field);
+        aim.ask_more_of_field(ERROR, 10.0 * ERROR, 2.0 * ERROR);
+        assert!((aim.field - 2.0 * LEAST_STEP).abs() < ROUND_OFF);
     }
 
     #[test]

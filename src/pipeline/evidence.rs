@@ -53,24 +53,37 @@ impl Evidence {
         let receivers = &mut solution.receivers;
         let light: Vec<Irradiance> = receivers.iter().map(Receiver::mean).collect();
         let of_mesh = distrust(&self.mesh, &light);
-        let of_field = distrust(&self.field, &light);
         let (mut square, mut area) = (0.0, 0.0);
-        for ((r, mesh), field) in receivers.iter_mut().zip(of_mesh).zip(of_field) {
+        for (r, mesh) in receivers.iter_mut().zip(of_mesh) {
             r.distrust(mesh);
             if r.is_lit {
                 square += r.expected_error();
                 area += r.area();
             }
-            if let (Some(indirect), Some(f)) = (&mut solution.indirect, r.solve_face) {
-                indirect.distrust(f, field);
-            }
         }
         let field = solution.indirect.as_mut();
+        let field = field.map_or(0.0, |f| teach_field(&self.field, receivers, &light, f));
         Expected {
             mesh: (square / area).sqrt() / mean,
-            field: field.map_or(0.0, IndirectField::estimate_rms) / mean,
+            field: field / mean,
         }
     }
+}
+
+/// Takes the errors of the field for what they were found to be, on sides with such mean irradiances; returns what is expected of
+/// it then, W/m².
+pub(super) fn teach_field(
+    points: &[Point],
+    receivers: &[Receiver],
+    light: &[Irradiance],
+    field: &mut IndirectField,
+) -> f64 {
+    for (r, factor) in receivers.iter().zip(distrust(points, light)) {
+        if let Some(f) = r.solve_face {
+            field.distrust(f, factor);
+        }
+    }
+    field.estimate_rms()
 }
 
 /// Sums over several points.

@@ -5,7 +5,7 @@ use super::evidence::{Evidence, Point};
 use super::random::Pcg;
 use crate::adapt::Receiver;
 use crate::quantity::Irradiance;
-use crate::radiosity::Gatherer;
+use crate::radiosity::{Gatherer, IndirectField};
 use crate::visibility::Scratch;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -40,9 +40,14 @@ const SIDES_PER_SAMPLE: usize = 4;
 const FEWEST_SAMPLES: usize = 1000;
 const MOST_SAMPLES: usize = 5000;
 
+/// Points at which indirect light is gathered to measure when it is not said how many.
+pub(super) fn default_probes(receivers: &[Receiver]) -> u32 {
+    default_samples(receivers) / GATHER_STRIDE as u32
+}
+
 /// Points at which to measure when it is not said.
-pub(super) fn default_samples(solution: &Solution) -> u32 {
-    let lit = solution.receivers.iter().filter(|r| r.is_lit).count();
+pub(super) fn default_samples(receivers: &[Receiver]) -> u32 {
+    let lit = receivers.iter().filter(|r| r.is_lit).count();
     (lit / SIDES_PER_SAMPLE).clamp(FEWEST_SAMPLES, MOST_SAMPLES) as u32
 }
 
@@ -67,49 +72,51 @@ struct Share {
     receiver: usize,
     element: usize,
     area: f64,
-    /// Integral of the squared light that it shows, W²/m².
-    light: f64,
-    /// Integral of the squared error that is expected of it, W²/m².
-    expected: f64,
+    /// Integrals of the squared light on it and of the squared error that is expected of it, W²/m².
+    squares: [f64; 2],
 }
 
-impl Share {
-    fn new(solution: &Solution, receiver: usize, element: usize) -> Self {
-        let r = &solution.receivers[receiver];
-        let area = r.mesh.area(element);
-        let corners = r.mesh.sites[element].map(|s| r.site_total(s as usize).0.mean_square());
-        let of_field = match (&solution.indirect, r.solve_face) {
-            (Some(field), Some(f)) => field.interpolation_error_at(f, r.mesh.centre(element)),
-            _ => 0.0,
-        };
-        Self {
-            receiver,
-            element,
-            area,
-            light: area * corners.iter().sum::<f64>() / 3.0,
-            expected: area * (r.expected_square(element) + of_field.powi(2)),
-        }
-    }
-
-    fn parts(&self) -> [f64; 3] {
-        [self.area, self.light, self.expected]
-    }
+/// Mean squares of the light that an element shows and of the error that is expected of it, (W/m²)².
+fn shown(solution: &Solution, receiver: usize, element: usize) -> [f64; 2] {
+    let r = &solution.receivers[receiver];
+    let corners = r.mesh.sites[element].map(|s| r.site_total(s as usize).0.mean_square());
+    let of_field = match (&solution.indirect, r.solve_face) {
+        (Some(field), Some(f)) => field.interpolation_error_at(f, r.mesh.centre(element)),
+        _ => 0.0,
+    };
+    let expected = r.expected_square(element) + of_field.powi(2);
+    [corners.iter().sum::<f64>() / 3.0, expected]
 }
 
 /// Stratified over the elements of all lit sides, in equal parts by their area, by their squared light and by the squared error
-/// that is expected of them: sample `i` lies in the `i`-th of `n` equal shares.
+/// that is expected of them, of which `means(receiver, element)` tells the mean squares: sample `i` lies in the `i`-th of `n`
+/// equal shares.
 ///
 /// Errors are the largest where light is the brightest, beside lamps: a square centimetre there may be off by as much as all
 /// else. By area alone a thousand points seldom find it, and say that there is no error, or find it once and say far too much.
-fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
-    let lit = solution.receivers.iter().enumerate().filter(|r| r.1.is_lit);
+fn samples(
+    receivers: &[Receiver],
+    n: u32,
+    seed: u64,
+    means: impl Fn(usize, usize) -> [f64; 2],
+) -> Vec<Sample> {
+    let lit = receivers.iter().enumerate().filter(|r| r.1.is_lit);
     let shares: Vec<Share> = lit
         .flat_map(|(r, receiver)| (0..receiver.mesh.elements.len()).map(move |e| (r, e)))
-        .map(|(r, e)| Share::new(solution, r, e))
+        .map(|(r, e)| {
+            let area = receivers[r].mesh.area(e);
+            Share {
+                receiver: r,
+                element: e,
+                area,
+                squares: means(r, e).map(|mean| area * mean),
+            }
+        })
         .collect();
+    let parts = |share: &Share| [share.area, share.squares[0], share.squares[1]];
     let mut sums = [0.0; 3];
     for share in &shares {
-        for (sum, part) in sums.iter_mut().zip(share.parts()) {
+        for (sum, part) in sums.iter_mut().zip(parts(share)) {
             *sum += part;
         }
     }
@@ -119,7 +126,7 @@ fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
     let present = sums.iter().filter(|s| **s > 0.0).count() as f64;
     // The density of the samples at each element, over its mean.
     let density = |share: &Share| {
-        let parts = share.parts().into_iter().zip(sums);
+        let parts = parts(share).into_iter().zip(sums);
         let all: f64 = parts
             .filter(|p| p.1 > 0.0)
             .map(|(part, sum)| part / sum)
@@ -152,7 +159,7 @@ fn samples(solution: &Solution, n: u32, seed: u64) -> Vec<Sample> {
 }
 
 pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evidence) {
-    let samples = samples(solution, n, seed);
+    let samples = samples(&solution.receivers, n, seed, |r, e| shown(solution, r, e));
     if samples.is_empty() {
         return Default::default();
     }
@@ -206,6 +213,51 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evid
     (measured, evidence(solution, &samples, &found))
 }
 
+/// How far the indirect field is off at `n` points, W/m² (root of the mean square), and what was found against what was expected:
+/// before anything shows it.
+pub(super) fn probe(
+    receivers: &[Receiver],
+    field: &IndirectField,
+    n: u32,
+    seed: u64,
+) -> (f64, Vec<Point>) {
+    let at_centre = |r: usize, e: usize| {
+        let Some(f) = receivers[r].solve_face else {
+            return [0.0; 2];
+        };
+        let p = receivers[r].mesh.centre(e);
+        let expected = field.interpolation_error_at(f, p).powi(2);
+        [field.at(f, p).0.mean_square(), expected]
+    };
+    let samples = samples(receivers, n, seed, at_centre);
+    let points: Vec<Point> = samples
+        .par_iter()
+        .map_init(
+            || field.gatherer(),
+            |gatherer, s| {
+                let r = &receivers[s.receiver];
+                let (f, p) = (r.solve_face?, s.place(r));
+                let off = field.at(f, p) - field.gather(gatherer, &r.view(p));
+                Some(Point::of_field(s, off, field, f, p))
+            },
+        )
+        .flatten()
+        .collect();
+    let square: f64 = points.iter().map(|p| p.found).sum();
+    ((square / samples.len().max(1) as f64).sqrt(), points)
+}
+
+impl Point {
+    /// Where the field on solve face `f` is `off` at a sample, whose place is `p`.
+    fn of_field(s: &Sample, off: Irradiance, field: &IndirectField, f: usize, p: DVec2) -> Self {
+        Self {
+            face: s.receiver,
+            found: s.counts * off.0.mean_square(),
+            expected: s.counts * field.interpolation_error_at(f, p).powi(2),
+        }
+    }
+}
+
 /// What was found against what was expected.
 fn evidence(solution: &Solution, samples: &[Sample], found: &[Found]) -> Evidence {
     let mut evidence = Evidence::default();
@@ -219,12 +271,8 @@ fn evidence(solution: &Solution, samples: &[Sample], found: &[Found]) -> Evidenc
         if let (Some(off), Some(field), Some(f)) =
             (found.field_off, &solution.indirect, r.solve_face)
         {
-            let p = s.place(r);
-            evidence.field.push(Point {
-                face: s.receiver,
-                found: s.counts * off.0.mean_square(),
-                expected: s.counts * field.interpolation_error_at(f, p).powi(2),
-            });
+            let point = Point::of_field(s, off, field, f, s.place(r));
+            evidence.field.push(point);
         }
     }
     evidence

@@ -1,11 +1,11 @@
 //! The stages of a bake, one function each, and what they share: the settings, the budget, the clock and the summary.
 
 use super::aim::Aim;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, teach_field};
 use super::guess::Guess;
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
-use super::measure::{default_samples, measure};
+use super::measure::{default_probes, default_samples, measure, probe};
 use super::{LightError, Measured, Progress, Solution, Step, Summary, World, domain, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
@@ -13,6 +13,7 @@ use crate::budget::{Limit, Meter};
 use crate::direct::DirectLight;
 use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines_within};
 use crate::mesh::{FaceDomain, MeshError};
+use crate::quantity::Irradiance;
 use crate::radiosity::{IndirectField, SolveMesh, SolveReport, TooManyUnknowns, check_size};
 use crate::scene::{FaceId, FaceSide, Scene, Size};
 use crate::settings::Settings;
@@ -59,6 +60,9 @@ const CORRECTED_SLACK: f64 = 1.25;
 
 /// Corrections at most, a round.
 const MAX_CORRECTIONS: usize = 8;
+
+/// The seeds of the points at which the field is held against gathers early start here: not those of the final measure.
+const PROBE_SEED: u64 = 1 << 32;
 
 /// One bake while it runs.
 pub(super) struct Run<'r, 'p> {
@@ -200,7 +204,7 @@ impl<'r, 'p> Run<'r, 'p> {
         let settings = self.settings;
         for round in 0..MAX_ROUNDS {
             if let Some(field) = &mut solution.indirect {
-                self.gather(field, &solution.receivers, aim.field, mean, round == 0)?;
+                self.gather(field, &solution.receivers, aim, mean, round == 0)?;
             }
             // Without indirect light nothing is new the first time.
             if solution.indirect.is_some() || round > 0 {
@@ -235,7 +239,7 @@ impl<'r, 'p> Run<'r, 'p> {
         if let Some(samples) = settings.samples {
             return measure(solution, samples, seed);
         }
-        let samples = default_samples(solution);
+        let samples = default_samples(&solution.receivers);
         let first = measure(solution, samples, seed);
         if is_met(&first.0, settings) || self.meter.is_used_up() {
             return first;
@@ -249,7 +253,7 @@ impl<'r, 'p> Run<'r, 'p> {
         &mut self,
         field: &mut IndirectField,
         receivers: &[Receiver],
-        share: f64,
+        aim: &mut Aim,
         mean: f64,
         is_first: bool,
     ) -> Result<(), MeshError> {
@@ -263,14 +267,13 @@ impl<'r, 'p> Run<'r, 'p> {
             self.start("gather");
             let is_rough = is_first && step == 0;
             let coarser = if is_rough { FIRST_CORRECTION } else { 1.0 };
-            let target = coarser * error * share * mean;
-            let (meter, clock) = (&self.meter, &mut self.clock);
+            let target = coarser * error * aim.field * mean;
             if step < 2 || field.estimate_rms() > CORRECTED_SLACK * target {
-                let is_late = || meter.is_late();
-                field.refine(target, is_late, |f| {
-                    clock.tick(f);
-                    !meter.is_used_up()
-                })?;
+                self.refine_field(field, target)?;
+            }
+            // Another round of everything costs more than to look early.
+            if is_first && !is_rough && step < 2 && field.mesh().is_crowded() {
+                self.probe(field, receivers, aim, mean)?;
             }
             if self.meter.is_used_up() {
                 break;
@@ -286,6 +289,40 @@ impl<'r, 'p> Run<'r, 'p> {
             before = corrected;
         }
         Ok(())
+    }
+
+    /// Gathers until the field is estimated to be off by `target`, W/m².
+    fn refine_field(&mut self, field: &mut IndirectField, target: f64) -> Result<(), MeshError> {
+        let (meter, clock) = (&self.meter, &mut self.clock);
+        let is_late = || meter.is_late();
+        field.refine(target, is_late, |f| {
+            clock.tick(f);
+            !meter.is_used_up()
+        })
+    }
+
+    /// Holds the field against gathers at a few points, before anything shows it, and asks for more of it where it is off by too
+    /// much.
+    fn probe(
+        &mut self,
+        field: &mut IndirectField,
+        receivers: &[Receiver],
+        aim: &mut Aim,
+        mean: f64,
+    ) -> Result<(), MeshError> {
+        let settings = self.settings;
+        let n = settings
+            .samples
+            .unwrap_or_else(|| default_probes(receivers));
+        let (found, points) = probe(receivers, field, n, settings.seed.wrapping_add(PROBE_SEED));
+        if self.meter.is_used_up() || !aim.is_field_missed(settings.error, found / mean) {
+            return Ok(());
+        }
+        let light = |r: &Receiver| r.solve_face.map_or(Irradiance::ZERO, |f| field.mean_on(f));
+        let light: Vec<Irradiance> = receivers.iter().map(light).collect();
+        let expected = teach_field(&points, receivers, &light, field);
+        aim.ask_more_of_field(settings.error, found / mean, expected / mean);
+        self.refine_field(field, settings.error * aim.field * mean)
     }
 }
 

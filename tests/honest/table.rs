@@ -43,7 +43,7 @@ fn cornell_boxes() {
 macro_rules! real_scenes {
     ($($name:ident: $file:literal,)*) => {$(
         #[test]
-        #[ignore = "bakes a real scene twice: minutes in release; needs scenes from outside the repository"]
+        #[ignore = "bakes a real scene twice: minutes to hours in release; needs scenes from outside the repository"]
         fn $name() {
             print_against_finer($file);
         }
@@ -55,6 +55,10 @@ real_scenes! {
     living_room: "godot-living-room/living_room_lit.glb",
     freedoom: "freedoom-e2m2/freedoom-e2m2.obj",
     modern_hall: "modern-hall/modern-hall.obj",
+    veach_ajar_full: "veach-ajar/veach-ajar-full.glb",
+    fzk_haus: "fzk-haus/fzk-haus.obj",
+    pandora: "pandora/pandora.obj",
+    wooden_staircase: "wooden-staircase/wooden-staircase.glb",
 }
 
 /// Bakes a scene to 3 % and to 1 %, and prints a row of the first, with exact direct light and the second's indirect light.

@@ -272,7 +272,7 @@ impl<'r, 'p> Run<'r, 'p> {
                 self.refine_field(field, target)?;
             }
             // Another round of everything costs more than to look early.
-            if is_first && !is_rough && step < 2 && field.mesh().is_crowded() {
+            if is_first && step == 1 && field.mesh().is_crowded() {
                 self.probe(field, receivers, aim, mean)?;
             }
             if self.meter.is_used_up() {

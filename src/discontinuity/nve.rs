@@ -51,7 +51,7 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
             corners: &polygon.corners,
             plane: polygon.plane,
         };
-        if is_cluttered(search, eye, &polygon.corners) {
+        if search.worth.is_partial() && is_cluttered(search, eye, &polygon.corners) {
             continue;
         }
         let mut sights: Vec<Sight> = Vec::new();

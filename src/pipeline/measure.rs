@@ -40,11 +40,6 @@ const SIDES_PER_SAMPLE: usize = 4;
 const FEWEST_SAMPLES: usize = 1000;
 const MOST_SAMPLES: usize = 5000;
 
-/// Points at which indirect light is gathered to measure when it is not said how many.
-pub(super) fn default_probes(receivers: &[Receiver]) -> u32 {
-    default_samples(receivers) / GATHER_STRIDE as u32
-}
-
 /// Points at which to measure when it is not said.
 pub(super) fn default_samples(receivers: &[Receiver]) -> u32 {
     let lit = receivers.iter().filter(|r| r.is_lit).count();
@@ -213,8 +208,8 @@ pub(super) fn measure(solution: &Solution, n: u32, seed: u64) -> (Measured, Evid
     (measured, evidence(solution, &samples, &found))
 }
 
-/// How far the indirect field is off at `n` points, W/m² (root of the mean square), and what was found against what was expected:
-/// before anything shows it.
+/// How far the indirect field is off, W/m² (root of the mean square), and what was found against what was expected, before
+/// anything shows it: at as many points as it is gathered at to measure at `n`.
 pub(super) fn probe(
     receivers: &[Receiver],
     field: &IndirectField,
@@ -229,7 +224,7 @@ pub(super) fn probe(
         let expected = field.interpolation_error_at(f, p).powi(2);
         [field.at(f, p).0.mean_square(), expected]
     };
-    let samples = samples(receivers, n, seed, at_centre);
+    let samples = samples(receivers, n / GATHER_STRIDE as u32, seed, at_centre);
     let points: Vec<Point> = samples
         .par_iter()
         .map_init(

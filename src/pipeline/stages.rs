@@ -5,7 +5,7 @@ use super::evidence::{Evidence, teach_field};
 use super::guess::Guess;
 use super::indirect::{Rooms, Shown, request};
 use super::lit::greatest_mean;
-use super::measure::{default_probes, default_samples, measure, probe};
+use super::measure::{default_samples, measure, probe};
 use super::{LightError, Measured, Progress, Solution, Step, Summary, World, domain, mean_of};
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
@@ -313,7 +313,7 @@ impl<'r, 'p> Run<'r, 'p> {
         let settings = self.settings;
         let n = settings
             .samples
-            .unwrap_or_else(|| default_probes(receivers));
+            .unwrap_or_else(|| default_samples(receivers));
         let (found, points) = probe(receivers, field, n, settings.seed.wrapping_add(PROBE_SEED));
         if self.meter.is_used_up() || !aim.is_field_missed(settings.error, found / mean) {
             return Ok(());

@@ -51,9 +51,6 @@ const UNMARKED_SHARE: f64 = 0.95;
 /// what is bought beside.
 const MAX_ROUNDS: usize = 72;
 
-/// What a gather that others are judged by is asked for beyond that.
-const REFERENCE_SHARE: f64 = 0.25;
-
 /// Points that are gathered while more links than this are remembered, of 20 bytes each, remember none: a correction gathers
 /// there anew.
 const MOST_LINKS: usize = 16_000_000;
@@ -444,11 +441,7 @@ impl<'a> IndirectField<'a> {
     /// Indirect irradiance at `view`, gathered there from the solution more finely than the field is, W/m².
     pub fn gather(&self, gatherer: &mut Gatherer, view: &Viewpoint) -> Irradiance {
         let solution = &self.solution;
-        let accuracy = Accuracy {
-            ray: solution.accuracy().ray,
-            ..solution.accuracy().shown()
-        };
-        let accuracy = accuracy.times(REFERENCE_SHARE);
+        let accuracy = solution.accuracy().reference();
         solution.gather(gatherer, view, &solution.light, accuracy)
     }
 

@@ -15,11 +15,11 @@ pub(super) const RAYS: u32 = 256;
 /// And no more, however much they differ.
 const MOST_RAYS: u32 = 16 * RAYS;
 
-/// Runs of rays, one after the other, that are compared.
-pub(super) const RUNS: usize = 4;
-
 /// And no fewer, however faint all light is.
 const FEWEST_RAYS: f64 = 16.0;
+
+/// Runs of rays, one after the other, that are compared.
+pub(super) const RUNS: usize = 4;
 
 /// Rays for a `part` of the `whole` of the light (both W) that is to be right to as much as that: what they are wrong by falls in
 /// proportion to the light, and about what is large with the power ¾ of their number ([`Sweep::noise_of`]).
@@ -59,6 +59,11 @@ impl Sweep {
     pub(super) fn is_enough(self, brightest: f64, arriving: f64) -> bool {
         Self::noise_of(brightest, arriving, self.rays) <= self.noise
     }
+
+    /// Whether so many rays are to be followed by as many more.
+    pub(super) fn goes_on(self, runs: &Runs, rays: u32) -> bool {
+        rays < MOST_RAYS && runs.noise(rays) > self.together
+    }
 }
 
 /// What rays have met of the light: the sums over [`RUNS`] runs of as many rays each, one after the other.
@@ -89,13 +94,6 @@ impl Runs {
         let of_one = (squares / (runs - 1.0)).sqrt() * runs / f64::from(rays);
         // Even rays fall off with the power ¾ of their number, as in `noise_of`.
         of_one / runs.powf(0.75)
-    }
-}
-
-impl Sweep {
-    /// Whether so many rays are to be followed by as many more.
-    pub(super) fn goes_on(self, runs: &Runs, rays: u32) -> bool {
-        rays < MOST_RAYS && self.together < f64::INFINITY && runs.noise(rays) > self.together
     }
 }
 
@@ -155,12 +153,12 @@ mod tests {
                 let a = f64::from(k) / 100.0 * std::f64::consts::FRAC_PI_2;
                 let known = 0.5 * (1.0 - a.sin());
                 let mut runs = Runs::default();
-                let parts = RUNS as u32;
-                for (i, sum) in runs.sums.iter_mut().enumerate() {
-                    let [from, to] = [i as u32, i as u32 + 1].map(|i| lune(a, i * rays / parts));
-                    let [from, to] = [(from, i as u32), (to, i as u32 + 1)]
-                        .map(|(share, i)| share * f64::from(i * rays / parts));
-                    *sum = Irradiance(Rgb::grey(if i == 0 { to } else { to - from }));
+                let run = rays / RUNS as u32;
+                let mut before = 0.0;
+                for (sum, rays) in runs.sums.iter_mut().zip((1..).map(|i| i * run)) {
+                    let met = lune(a, rays) * f64::from(rays);
+                    *sum = Irradiance(Rgb::grey(met - before));
+                    before = met;
                 }
                 off += (lune(a, rays) - known).powi(2);
                 told += runs.noise(rays).powi(2);

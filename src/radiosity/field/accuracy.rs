@@ -29,7 +29,16 @@ pub(super) struct Accuracy {
     pub(super) sweep: u32,
 }
 
+/// What a gather that others are judged by is asked for beyond that.
+const REFERENCE_SHARE: f64 = 0.25;
+
 impl Accuracy {
+    /// What others are judged by, where this is enough for light that is reflected on.
+    pub(super) fn reference(self) -> Self {
+        let together = TOGETHER_SHARE * self.ray;
+        Self { together, ..self }.times(REFERENCE_SHARE)
+    }
+
     /// What is enough at a point that is shown, where this is enough for light that is reflected on.
     pub(super) fn shown(self) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
 use super::nodes::{FaceNodes, inset};
-use super::solvers::{Link, check};
+use super::solvers::{Link, Row, check};
 use super::{Basis, Gatherer, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::direct::form_factor;
 use crate::form_factor::{FLAT, Patch, RADON, between};
@@ -54,7 +54,7 @@ impl Rows<'_> {
     pub(super) fn of_points(
         &self,
         rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
-    ) -> (Vec<FaceNodes>, Vec<Vec<Link>>) {
+    ) -> (Vec<FaceNodes>, Vec<Row>) {
         let (nodes, views) = point_nodes(self.mesh, self.blockers);
         // The nodes of a face share one set of rays.
         let owner: Vec<(&SolveFace, u32)> = self
@@ -72,8 +72,16 @@ impl Rows<'_> {
                 |gatherer, (view, (face, i))| {
                     let mut row = Vec::new();
                     let rays = rays(face).map(|n| i * n..(i + 1) * n);
+                    let are_by_rays = rays.is_some();
                     self.row(gatherer, view, rays, &mut |link| row.push(link));
-                    merged(row)
+                    merge(&mut row);
+                    if are_by_rays {
+                        Row::means(row)
+                    } else if self.oracle.sweep.is_some() {
+                        Row::short(row)
+                    } else {
+                        Row::exact(row)
+                    }
                 },
             )
             .collect();
@@ -85,7 +93,7 @@ impl Rows<'_> {
     pub(super) fn of_elements(
         &self,
         rays: impl Fn(&SolveFace) -> Option<u32> + Sync,
-    ) -> (Vec<FaceNodes>, Vec<Vec<Link>>) {
+    ) -> (Vec<FaceNodes>, Vec<Row>) {
         let (mut nodes, mut elements) = (Vec::new(), Vec::new());
         for (face, tree) in self.mesh.faces.iter().zip(self.trees) {
             let cells: Vec<usize> = tree.elements().collect();
@@ -103,7 +111,9 @@ impl Rows<'_> {
             .par_iter()
             .map_init(
                 || self.gatherer(),
-                |gatherer, element| self.element_row(gatherer, element, rays(element.face)),
+                |gatherer, element| {
+                    Row::exact(self.element_row(gatherer, element, rays(element.face)))
+                },
             )
             .collect();
         (nodes, rows)
@@ -246,7 +256,7 @@ pub fn check_size(
 }
 
 /// One link for all to the same cell.
-fn merged(mut row: Vec<Link>) -> Vec<Link> {
+fn merge(row: &mut Vec<Link>) {
     // Stable, so that sums do not depend on how it sorts.
     row.sort_by_key(|l| l.cell);
     row.dedup_by(|link, first| {
@@ -258,8 +268,6 @@ fn merged(mut row: Vec<Link>) -> Vec<Link> {
         }
         is_same
     });
-    row.shrink_to_fit();
-    row
 }
 
 /// Whether a face is no wider than elements are anyway.

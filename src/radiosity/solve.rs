@@ -10,7 +10,7 @@ use super::gather::Oracle;
 use super::held::Held;
 use super::nodes::{FaceNodes, NodalField};
 use super::rows::Rows;
-use super::solvers::{self, Block, Corners, Leaf, Link, Outcome, Parent, Problem, System, Until};
+use super::solvers::{self, Block, Corners, Leaf, Outcome, Parent, Problem, Row, System, Until};
 use super::wavelet::{Compression, Wavelets, left_out};
 use super::{Basis, SolveFace, SolveMesh, Solver, TooManyUnknowns};
 use crate::form_factor::RADON;
@@ -102,16 +102,19 @@ struct Linked {
 }
 
 /// All rows in the basis of wavelets, and what is left of these.
-fn compressed(wavelets: &Wavelets, links: Vec<Vec<Link>>) -> (Vec<Vec<Link>>, Linked) {
-    let rows: Vec<(Vec<Link>, usize)> = links
+fn compressed(wavelets: &Wavelets, rows: Vec<Row>) -> (Vec<Row>, Linked) {
+    let rows: Vec<(Row, usize)> = rows
         .into_par_iter()
-        .map(|row| wavelets.compressed(row))
+        .map(|row| {
+            let (links, dropped) = wavelets.compressed(row.links());
+            (Row::exact(links), dropped)
+        })
         .collect();
     let mut linked = Linked {
         is_linked: vec![false; wavelets.count()],
         dropped: rows.iter().map(|row| row.1).sum(),
     };
-    for link in rows.iter().flat_map(|row| &row.0) {
+    for link in rows.iter().flat_map(|row| row.0.links()) {
         linked.is_linked[link.cell as usize] = true;
     }
     (rows.into_iter().map(|row| row.0).collect(), linked)
@@ -136,18 +139,18 @@ impl Transport {
             oracle,
             first_cell: &first_cell,
         };
-        let (nodes, links) = match basis {
+        let (nodes, rows) = match basis {
             Basis::Linear | Basis::Wavelet => rows.of_points(rays),
             Basis::Constant => rows.of_elements(rays),
         };
-        let (links, wavelets) = match basis {
+        let (rows, wavelets) = match basis {
             Basis::Wavelet => {
                 let (sources, permitted) = (oracle.sources, oracle.link);
                 let wavelets = Wavelets::new(mesh, trees, &first_cell, sources, permitted);
-                let (links, linked) = compressed(&wavelets, links);
-                (links, Some(linked))
+                let (rows, linked) = compressed(&wavelets, rows);
+                (rows, Some(linked))
             }
-            Basis::Linear | Basis::Constant => (links, None),
+            Basis::Linear | Basis::Constant => (rows, None),
         };
         let blocks = (0..mesh.faces.len())
             .into_par_iter()
@@ -157,7 +160,7 @@ impl Transport {
             trees: trees.to_vec(),
             nodes,
             wavelets,
-            system: System::new(basis, blocks, links),
+            system: System::new(basis, blocks, rows),
         }
     }
 
@@ -169,7 +172,7 @@ impl Transport {
     /// The links of a node.
     pub(super) fn links(&self, node: u32) -> impl Iterator<Item = CellLink> + '_ {
         let blocks = self.system.blocks();
-        self.system.row(node as usize).iter().map(move |link| {
+        self.system.links(node as usize).map(move |link| {
             let cell = link.cell as usize;
             let f = blocks.partition_point(|b| b.cells.end <= cell);
             CellLink::new(f, cell - blocks[f].cells.start, link.weights)

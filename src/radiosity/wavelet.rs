@@ -168,9 +168,8 @@ impl<'w> Wavelets<'w> {
 
     /// The same row in this basis, and how many links with wavelets were left out of it: the smallest, as long as all that
     /// they may bring stays below what is permitted.
-    pub(super) fn compressed(&self, row: Vec<Link>) -> (Vec<Link>, usize) {
-        let mut open: BTreeMap<u32, [f64; 3]> =
-            row.into_iter().map(|l| (l.cell, l.weights)).collect();
+    pub(super) fn compressed(&self, row: impl Iterator<Item = Link>) -> (Vec<Link>, usize) {
+        let mut open: BTreeMap<u32, [f64; 3]> = row.map(|l| (l.cell, l.weights)).collect();
         let (mut links, mut wavelets) = (Vec::new(), Vec::new());
         // Children come after their parents: the last one is done when it is its turn.
         while let Some((cell, weights)) = open.pop_last() {

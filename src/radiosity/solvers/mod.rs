@@ -16,6 +16,7 @@ mod dense;
 mod gmres;
 mod jacobi;
 mod relaxation;
+mod row;
 mod shooting;
 mod system;
 #[cfg(test)]
@@ -25,8 +26,9 @@ pub(super) use choice::solve;
 pub use dense::TooManyUnknowns;
 pub(super) use dense::check;
 pub(super) use jacobi::bounces;
+pub(super) use row::{Link, Row};
 pub(super) use shooting::{Until, solve as shoot};
-pub(super) use system::{Block, Corners, Leaf, Link, Parent, System};
+pub(super) use system::{Block, Corners, Leaf, Parent, System};
 
 use crate::bad_input::BadInput;
 use glam::DVec3;

@@ -6,6 +6,7 @@
 
 use super::super::Basis;
 use super::super::wavelet::{details, halves, projected};
+use super::row::{Link, Row};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -13,14 +14,6 @@ use std::sync::Arc;
 
 /// The light at the three corners of a cell, W/m² in three channels.
 pub(in crate::radiosity) type Corners = [DVec3; 3];
-
-/// What a node receives of the light at the corners of a cell.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::radiosity) struct Link {
-    /// Number of the cell through all blocks.
-    pub(in crate::radiosity) cell: u32,
-    pub(in crate::radiosity) weights: [f64; 3],
-}
 
 /// A cell without children.
 #[derive(Clone, Debug)]
@@ -68,19 +61,14 @@ pub(super) struct Run {
 pub(in crate::radiosity) struct System {
     basis: Basis,
     pub(super) blocks: Vec<Block>,
-    /// The links of each node, those with cells of one block beside each other: of all that is kept in memory the most, and so
-    /// shared by copies.
-    rows: Arc<Vec<Vec<Link>>>,
+    /// The links of each node, shared by copies.
+    rows: Arc<Vec<Row>>,
     cells: usize,
 }
 
 impl System {
-    /// `rows` are the links of each node in the order of the nodes, those with cells of one block beside each other.
-    pub(in crate::radiosity) fn new(
-        basis: Basis,
-        blocks: Vec<Block>,
-        rows: Vec<Vec<Link>>,
-    ) -> Self {
+    /// `rows` are the links of each node in the order of the nodes.
+    pub(in crate::radiosity) fn new(basis: Basis, blocks: Vec<Block>, rows: Vec<Row>) -> Self {
         Self {
             basis,
             cells: blocks.last().map_or(0, |b| b.cells.end),
@@ -109,13 +97,13 @@ impl System {
     }
 
     /// The links of a node.
-    pub(in crate::radiosity) fn row(&self, node: usize) -> &[Link] {
-        &self.rows[node]
+    pub(in crate::radiosity) fn links(&self, node: usize) -> impl Iterator<Item = Link> + '_ {
+        self.rows[node].links()
     }
 
     /// Number of links.
     pub(in crate::radiosity) fn link_count(&self) -> usize {
-        self.rows.iter().map(Vec::len).sum()
+        self.rows.iter().map(Row::len).sum()
     }
 
     /// Number of cells.
@@ -129,12 +117,11 @@ impl System {
         for (node, row) in self.rows.iter().enumerate() {
             let mut first = 0;
             while first < row.len() {
-                let cell = row[first].cell as usize;
+                let cell = row.cell(first);
                 let b = self.blocks.partition_point(|b| b.cells.end <= cell);
                 let cells = &self.blocks[b].cells;
-                let count = row[first..]
-                    .iter()
-                    .take_while(|l| cells.contains(&(l.cell as usize)))
+                let count = (first..row.len())
+                    .take_while(|&i| cells.contains(&row.cell(i)))
                     .count();
                 runs[b].push(Run {
                     node: node as u32,
@@ -163,13 +150,13 @@ impl System {
 
     /// What comes by the links of `run` from the cells of its block that send `light`, the first of which has number `first`.
     pub(super) fn gather_from(&self, run: &Run, first: usize, light: &[Corners]) -> DVec3 {
-        let row = &self.rows[run.node as usize];
-        gathered(&row[run.links.clone()], first, light)
+        self.rows[run.node as usize].gather(run.links.clone(), first, light)
     }
 
     /// What arrives at a node from cells that send `light`.
     pub(super) fn gather(&self, node: usize, light: &[Corners]) -> DVec3 {
-        gathered(&self.rows[node], 0, light)
+        let row = &self.rows[node];
+        row.gather(0..row.len(), 0, light)
     }
 
     /// What arrives at every node.
@@ -296,17 +283,6 @@ impl System {
         let most = back.iter().map(|x| x.max_element()).fold(0.0, f64::max);
         most.min(LARGEST_CONTRACTION)
     }
-}
-
-/// What comes by `links` from cells that send `light`, the first of which has number `first`.
-fn gathered(links: &[Link], first: usize, light: &[Corners]) -> DVec3 {
-    let mut sum = DVec3::ZERO;
-    for link in links {
-        for (b, w) in light[link.cell as usize - first].iter().zip(link.weights) {
-            sum += *b * w;
-        }
-    }
-    sum
 }
 
 /// Row sums are right to 10⁻⁷ (round-off of cutting): what they say of light that is lost more slowly than ten times that

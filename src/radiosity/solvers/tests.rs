@@ -1,7 +1,8 @@
 //! Systems whose solution is known, without any geometry.
 
+use super::row::{Link, Row};
 use super::shooting::Until;
-use super::system::{Block, Leaf, Link, System};
+use super::system::{Block, Leaf, System};
 use super::{Corners, Outcome, Problem, Solver, TooManyUnknowns, shooting, solve};
 use crate::radiosity::Basis;
 use crate::radiosity::tests::random;
@@ -24,18 +25,15 @@ fn system(form_factors: &[Vec<f64>], reflectance: impl Fn(usize) -> DVec3) -> Sy
             parents: Vec::new(),
         })
         .collect();
-    let rows: Vec<Vec<Link>> = form_factors
+    let rows: Vec<Row> = form_factors
         .iter()
         .map(|row| {
             let link = |(j, f): (usize, &f64)| Link {
                 cell: j as u32,
                 weights: [f / 3.0; 3],
             };
-            row.iter()
-                .enumerate()
-                .filter(|l| *l.1 > 0.0)
-                .map(link)
-                .collect()
+            let links = row.iter().enumerate().filter(|l| *l.1 > 0.0).map(link);
+            Row::exact(links.collect())
         })
         .collect();
     System::new(Basis::Constant, blocks, rows)

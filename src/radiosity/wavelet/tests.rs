@@ -181,7 +181,7 @@ fn a_row_brings_the_same_in_both_bases() {
         for share in [0.0, 0.01, 0.1] {
             let permitted = share * known.length();
             let wavelets = Wavelets::new(&mesh, &trees, &[0], &sources, permitted);
-            let (links, dropped) = wavelets.compressed(row.clone());
+            let (links, dropped) = wavelets.compressed(row.iter().copied());
             let off = gathered(&links, |c| told[c]) - known;
             // The sizes are means of the three channels.
             let off = off.length() / 3_f64.sqrt();

@@ -2,7 +2,7 @@
 
 use crate::bad_input::BadInput;
 use crate::render::Picture;
-use png::{BitDepth, ColorType, SrgbRenderingIntent, Transformations};
+use png::{BitDepth, ColorType, Compression, SrgbRenderingIntent, Transformations};
 use std::io::Cursor;
 
 /// Bytes of a decoded picture that are accepted: a square of 16384 pixels with four channels.
@@ -18,6 +18,7 @@ pub fn write_png(picture: &Picture) -> Vec<u8> {
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_compression(Compression::Fast);
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(picture.pixels.as_flattened()))

@@ -77,19 +77,12 @@ impl Locator {
         corners: impl Fn(usize) -> [DVec2; 3],
         p: DVec2,
     ) -> Option<(usize, [f64; 3])> {
-        let depth = |e: usize| {
-            let b = barycentric(corners(e), p);
-            (e, b, b[0].min(b[1]).min(b[2]))
-        };
-        let deepest = |items: &mut dyn Iterator<Item = usize>| {
-            items.map(depth).max_by(|a, b| a.2.total_cmp(&b.2))
-        };
         let mut found = None;
         if let Some(buckets) = &self.0 {
-            found = deepest(&mut buckets.items_at(p).iter().map(|&e| e as usize));
+            found = deepest(buckets.items_at(p).iter().map(|&e| e as usize), &corners, p);
         }
         if found.is_none_or(|f| f.2 < 0.0) {
-            found = deepest(&mut (0..n));
+            found = deepest(0..n, &corners, p);
         }
         found.map(|(e, b, _)| {
             let clamped = b.map(|x| x.max(0.0));
@@ -97,6 +90,28 @@ impl Locator {
             (e, clamped.map(|x| x / sum))
         })
     }
+}
+
+/// Of these triangles, no two of which have more than their borders in common, the one that `p` lies in or is nearest to, the
+/// barycentric coordinates there and the least of them.
+fn deepest(
+    items: impl Iterator<Item = usize>,
+    corners: &impl Fn(usize) -> [DVec2; 3],
+    p: DVec2,
+) -> Option<(usize, [f64; 3], f64)> {
+    let mut found: Option<(usize, [f64; 3], f64)> = None;
+    for e in items {
+        let b = barycentric(corners(e), p);
+        // One without area has no coordinates.
+        let depth = b[0].min(b[1]).min(b[2]).max(f64::NEG_INFINITY);
+        if found.is_none_or(|f| depth > f.2) {
+            found = Some((e, b, depth));
+        }
+        if depth > 0.0 {
+            break;
+        }
+    }
+    found
 }
 
 impl Buckets {

@@ -12,13 +12,12 @@ use self::swept::Hit;
 use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
 use super::clusters::Sources;
-use super::kernel::{Basis, Corner, split};
+use super::kernel::{Basis, Corner, split, split_far};
 use super::sweep::Sweep;
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
 use crate::visibility::{Blockers, Cones, Region, Relation, Scratch, Viewpoint};
 use glam::DVec3;
-use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -407,25 +406,32 @@ impl<'a> Gatherer<'a> {
         let mut sum = [0.0; 3];
         let basis = Basis::new(seen.corners);
         let target = walk.target(c);
+        let is_far = seen.is_far(strength, walk.oracle.link);
         self.scratch
             .visible_past(self.blockers, cones(), walk.view, target, |piece| {
-                let f = form_factor_of_directions(n, piece);
-                if strength.range * f <= walk.oracle.link {
-                    let middle = piece.iter().sum::<DVec3>() / piece.len() as f64;
-                    for (s, w) in sum.iter_mut().zip(basis.at(middle)) {
-                        *s += f * w;
+                let corner = |&direction: &DVec3| Corner {
+                    direction,
+                    basis: basis.at(direction),
+                };
+                if !is_far {
+                    let f = form_factor_of_directions(n, piece);
+                    if strength.range * f <= walk.oracle.link {
+                        let middle = piece.iter().sum::<DVec3>() / piece.len() as f64;
+                        for (s, w) in sum.iter_mut().zip(basis.at(middle)) {
+                            *s += f * w;
+                        }
+                        return;
                     }
-                    return;
                 }
-                let corners: SmallVec<[Corner; 8]> = piece
-                    .iter()
-                    .map(|&direction| Corner {
-                        direction,
-                        basis: basis.at(direction),
-                    })
-                    .collect();
-                for i in 2..corners.len() {
-                    split(n, [corners[0], corners[i - 1], corners[i]], 0, &mut sum);
+                let first = corner(&piece[0]);
+                let mut last = corner(&piece[1]);
+                for next in piece[2..].iter().map(corner) {
+                    let triangle = [first, last, next];
+                    match is_far {
+                        true => split_far(n, triangle, &mut sum),
+                        false => split(n, triangle, 0, &mut sum),
+                    }
+                    last = next;
                 }
             });
         sum

@@ -3,7 +3,7 @@
 use super::SolveFace;
 use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
-use super::kernel::{cell_corners, split};
+use super::kernel::{cell_corners, is_far, split, split_far};
 use crate::direct::form_factor_of_directions;
 use crate::geom::Plane;
 use crate::visibility::{Ball, Cone, Target, Viewpoint};
@@ -19,6 +19,14 @@ pub(super) struct Seen {
     pub(super) form_factor: f64,
     /// Square of its width over its distance, at most 1.
     pub(super) spread: f64,
+}
+
+impl Seen {
+    /// Whether a quadrature tells its form factor, or that of any part of it, so well that all that it sends is right to
+    /// `permitted`, W/m².
+    pub(super) fn is_far(&self, strength: &Strength, permitted: f64) -> bool {
+        is_far(self.spread, self.form_factor, strength.rms, permitted)
+    }
 }
 
 /// Light sent per form factor by the cell at hand.
@@ -118,7 +126,11 @@ pub(super) fn clear(walk: &Walk, seen: &Seen, strength: &Strength) -> [f64; 3] {
         return [form_factor_of_directions(n, &seen.corners) / 3.0; 3];
     }
     let mut sum = [0.0; 3];
-    split(n, cell_corners(seen.corners), 0, &mut sum);
+    let corners = cell_corners(seen.corners);
+    match seen.is_far(strength, walk.oracle.link) {
+        true => split_far(n, corners, &mut sum),
+        false => split(n, corners, 0, &mut sum),
+    }
     sum
 }
 

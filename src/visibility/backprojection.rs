@@ -162,9 +162,13 @@ impl Scratch {
         cones: impl Iterator<Item = Cone<'c>>,
         view: &Viewpoint,
         target: Target,
-        visit: impl FnMut(&[DVec3]),
+        mut visit: impl FnMut(&[DVec3]),
     ) {
-        if self.starts(blockers, view, target) {
+        let mut cones = cones.peekable();
+        if cones.peek().is_none() {
+            let above = above_horizon(blockers, view, target);
+            above.into_iter().for_each(|piece| visit(&piece));
+        } else if self.starts(blockers, view, target) {
             for cone in cones {
                 self.pieces.subtract(&cone);
             }
@@ -183,16 +187,16 @@ impl Scratch {
 
     /// Holds what is above the horizon of `view` as the one piece; returns whether that is anything and faces it.
     fn starts(&mut self, blockers: &Blockers, view: &Viewpoint, target: Target) -> bool {
-        if !faces(blockers, view, target) {
-            return false;
-        }
-        let above = clip_to_horizon(view, target.corners);
-        if above.len() < 3 {
-            return false;
-        }
-        self.pieces.start(&above);
-        true
+        let above = above_horizon(blockers, view, target);
+        above.inspect(|piece| self.pieces.start(piece)).is_some()
     }
+}
+
+/// What of the target is above the horizon of `view`, if there is anything and it faces it.
+fn above_horizon(blockers: &Blockers, view: &Viewpoint, target: Target) -> Option<Piece> {
+    let is_seen = faces(blockers, view, target);
+    let above = is_seen.then(|| clip_to_horizon(view, target.corners))?;
+    (above.len() >= 3).then_some(above)
 }
 
 /// True when `view` stands in front of the target, clear of its plane by more than round-off: within it, it would see the

@@ -15,8 +15,8 @@ pub(super) const RAYS: u32 = 256;
 /// And no more, however much they differ.
 const MOST_RAYS: u32 = 16 * RAYS;
 
-/// And no fewer, however faint all light is.
-const FEWEST_RAYS: f64 = 16.0;
+/// And no fewer, however faint all light is: what they disagree by is to be known.
+const FEWEST_RAYS: f64 = 64.0;
 
 /// Runs of rays, one after the other, that are compared.
 pub(super) const RUNS: usize = 4;

@@ -14,14 +14,11 @@ use super::super::solve::Transport;
 use super::super::sweep::rays_for;
 use super::super::walk::spread;
 use super::super::{Bounces, SolveFace};
-use super::accuracy::{Accuracy, LINK_SHARE};
+use super::accuracy::LINK_SHARE;
 use super::{Coarse, IndirectField, residual};
 use crate::quantity::{Irradiance, Radiosity};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-
-/// A correction is small: its gathers may be so much less accurate.
-const CORRECTION_ACCURACY: f64 = 2.0;
 
 /// What the faces send beyond what they did.
 struct Correction<'c, 'a> {
@@ -122,10 +119,7 @@ impl IndirectField<'_> {
 impl Correction<'_, '_> {
     /// What a point of `face`, solve face `f`, receives of it.
     fn at(&self, face: &SolveFace, f: usize, point: &mut Point) -> Irradiance {
-        let accuracy = Accuracy {
-            sweep: self.rays,
-            ..self.solution.accuracy_on(face).times(CORRECTION_ACCURACY)
-        };
+        let accuracy = self.solution.accuracy_on(face).correcting(self.rays);
         let view = face.view(point.place);
         let is_good =
             |link: &CellLink| self.strays(link, view.position) <= LINK_SHARE * accuracy.link;

@@ -12,7 +12,7 @@ use self::swept::Hit;
 use super::SolveMesh;
 use super::cells::{FaceCells, FaceLight};
 use super::clusters::Sources;
-use super::kernel::{Basis, Corner, split, split_far};
+use super::kernel::{Basis, Corner, add_triangle};
 use super::sweep::Sweep;
 use super::walk::{Seen, Strength, Walk, clear, sampled, share_of_samples};
 use crate::direct::form_factor_of_directions;
@@ -423,14 +423,12 @@ impl<'a> Gatherer<'a> {
                         return;
                     }
                 }
-                let first = corner(&piece[0]);
-                let mut last = corner(&piece[1]);
-                for next in piece[2..].iter().map(corner) {
-                    let triangle = [first, last, next];
-                    match is_far {
-                        true => split_far(n, triangle, &mut sum),
-                        false => split(n, triangle, 0, &mut sum),
-                    }
+                let [first, second, others @ ..] = piece else {
+                    return;
+                };
+                let (first, mut last) = (corner(first), corner(second));
+                for next in others.iter().map(corner) {
+                    add_triangle(n, [first, last, next], is_far, &mut sum);
                     last = next;
                 }
             });

@@ -44,11 +44,18 @@ pub(super) fn cell_corners(directions: [DVec3; 3]) -> [Corner; 3] {
     })
 }
 
-/// Adds `∫ λₖ G dA` over the triangle `t`, seen from a surface with unit normal `n` and wholly above its horizon, to `sum`.
-///
+/// Adds `∫ λₖ G dA` over the triangle `t`, seen from a surface with unit normal `n` and wholly above its horizon, to `sum`;
+/// `is_far` as [`is_far`] tells of it or of what it is a part of.
+pub(super) fn add_triangle(n: DVec3, t: [Corner; 3], is_far: bool, sum: &mut [f64; 3]) {
+    match is_far {
+        true => split_far(n, t, sum),
+        false => split(n, t, 0, sum),
+    }
+}
+
 /// The form factor is Lambert's; only its division among the basis functions is a quadrature, `F · Σ w G λ / Σ w G`, so that
 /// the three parts always sum to `F`.
-pub(super) fn split(n: DVec3, t: [Corner; 3], depth: u32, sum: &mut [f64; 3]) {
+fn split(n: DVec3, t: [Corner; 3], depth: u32, sum: &mut [f64; 3]) {
     let d = t.map(|c| c.direction);
     let middle = (d[0] + d[1] + d[2]) / 3.0;
     let width = d[0]
@@ -76,8 +83,8 @@ pub(super) fn split(n: DVec3, t: [Corner; 3], depth: u32, sum: &mut [f64; 3]) {
     add(t, parts.map(|part| f * part / total), sum);
 }
 
-/// The same by Radon's rule alone, without a form factor in closed form: for what is as narrow as [`is_far`] asks.
-pub(super) fn split_far(n: DVec3, t: [Corner; 3], sum: &mut [f64; 3]) {
+/// Radon's rule alone, without a form factor in closed form.
+fn split_far(n: DVec3, t: [Corner; 3], sum: &mut [f64; 3]) {
     let [a, b, c] = t.map(|c| c.direction);
     // Six times the volume between the triangle and the viewpoint is twice the area times the height of the viewpoint above
     // its plane, which is the cosine at the source times the distance everywhere.
@@ -174,13 +181,18 @@ mod tests {
             let width = (0..3)
                 .map(|k| t[k].distance(t[(k + 1) % 3]))
                 .fold(0.0, f64::max);
-            let nearest = centre.length() - radius;
+            let normal = (t[1] - t[0]).cross(t[2] - t[0]);
+            let across = normal.normalize_or_zero().dot(t[0]).abs();
+            // As a walk looks at cells.
+            let nearest = (centre.length() - radius).max(across);
             let spread = (width / nearest).powi(2);
             if nearest <= 0.0 || spread >= 1.0 {
                 continue;
             }
-            let area = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
-            let bound = area / (std::f64::consts::PI * nearest * nearest);
+            let highest = t.iter().map(|d| n.dot(*d)).fold(0.0, f64::max);
+            let cosines = (highest / nearest).min(1.0) * (across / nearest);
+            let bound =
+                0.5 * normal.length() * cosines / (std::f64::consts::PI * nearest * nearest);
             let (mut known, mut found) = ([0.0; 3], [0.0; 3]);
             split(n, cell_corners(t), 0, &mut known);
             split_far(n, cell_corners(t), &mut found);

@@ -3,7 +3,7 @@
 use super::SolveFace;
 use super::cells::{Cell, FaceCells};
 use super::gather::Oracle;
-use super::kernel::{cell_corners, is_far, split, split_far};
+use super::kernel::{add_triangle, cell_corners, is_far};
 use crate::direct::form_factor_of_directions;
 use crate::geom::Plane;
 use crate::visibility::{Ball, Cone, Target, Viewpoint};
@@ -126,11 +126,8 @@ pub(super) fn clear(walk: &Walk, seen: &Seen, strength: &Strength) -> [f64; 3] {
         return [form_factor_of_directions(n, &seen.corners) / 3.0; 3];
     }
     let mut sum = [0.0; 3];
-    let corners = cell_corners(seen.corners);
-    match seen.is_far(strength, walk.oracle.link) {
-        true => split_far(n, corners, &mut sum),
-        false => split(n, corners, 0, &mut sum),
-    }
+    let is_far = seen.is_far(strength, walk.oracle.link);
+    add_triangle(n, cell_corners(seen.corners), is_far, &mut sum);
     sum
 }
 

@@ -42,3 +42,25 @@ impl Image {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::srgb_encode;
+
+    #[test]
+    fn steps_are_those_that_the_curve_rounds_to() {
+        let values: Vec<f64> = (0..=10_000)
+            .map(|i| f64::from(i) / 10_000.0)
+            .chain([-1.0, 2.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN])
+            .collect();
+        let image = Image {
+            width: values.len() as u32,
+            height: 1,
+            pixels: values.iter().map(|&x| Rgb::grey(x)).collect(),
+        };
+        for (x, shown) in values.iter().zip(image.to_srgb().pixels) {
+            assert_eq!(shown, [(srgb_encode(*x) * 255.0).round() as u8; 3], "{x}");
+        }
+    }
+}

@@ -98,18 +98,8 @@ impl Row {
         }
     }
 
-    /// The cell of link number `i`.
-    pub(super) fn cell(&self, i: usize) -> usize {
-        let cell = match self {
-            Self::Exact(links) => links[i].cell,
-            Self::Short(links) => links[i].cell,
-            Self::Means(links) => links[i].cell,
-        };
-        cell as usize
-    }
-
     /// Link number `i`.
-    fn link(&self, i: usize) -> Link {
+    pub(super) fn link(&self, i: usize) -> Link {
         match self {
             Self::Exact(links) => links[i],
             Self::Short(links) => links[i].into(),

@@ -117,11 +117,11 @@ impl System {
         for (node, row) in self.rows.iter().enumerate() {
             let mut first = 0;
             while first < row.len() {
-                let cell = row.cell(first);
+                let cell = row.link(first).cell as usize;
                 let b = self.blocks.partition_point(|b| b.cells.end <= cell);
                 let cells = &self.blocks[b].cells;
                 let count = (first..row.len())
-                    .take_while(|&i| cells.contains(&row.cell(i)))
+                    .take_while(|&i| cells.contains(&(row.link(i).cell as usize)))
                     .count();
                 runs[b].push(Run {
                     node: node as u32,

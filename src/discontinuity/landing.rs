@@ -27,11 +27,9 @@ pub(super) fn land(
 ) -> Vec<Landing> {
     let mut out = Vec::new();
     for (from, to) in lit.iter() {
-        let near: Vec<&Section> = sections
-            .iter()
-            .filter(|s| s.s0 < to && s.s1 > from)
-            .collect();
+        let mut near = Near::new(sections, from, to);
         let mut cuts: Vec<f64> = near
+            .sections
             .iter()
             .flat_map(|s| [s.s0, s.s1])
             .filter(|&s| s > from && s < to)
@@ -53,6 +51,7 @@ pub(super) fn land(
             }
         };
         for pair in cuts.windows(2) {
+            near.advance_to(pair[0]);
             envelope(
                 &near,
                 pair[0],
@@ -73,36 +72,73 @@ pub(super) fn land(
     out
 }
 
-/// Reports the nearest section over (`from`, `to`), in which no section begins or ends.
-fn envelope(
-    sections: &[&Section],
-    from: f64,
-    to: f64,
-    report: &mut impl FnMut(Option<FaceId>, f64, f64),
-) {
-    let covers = |s: &&&Section| s.s0 <= from && s.s1 >= to;
+/// Sections over a span, of which those are at hand that cover where the sweep along it is.
+struct Near<'s> {
+    sections: Vec<&'s Section>,
+    /// Their numbers in the order in which they begin, and how many have begun.
+    beginnings: Vec<u32>,
+    begun: usize,
+    /// Numbers of those that have begun and not ended, ascending: of sections that are equally near the last one counts.
+    open: Vec<u32>,
+}
+
+impl<'s> Near<'s> {
+    /// Those of `sections` that reach into the span.
+    fn new(sections: &'s [Section], from: f64, to: f64) -> Self {
+        let near = sections.iter().filter(|s| s.s0 < to && s.s1 > from);
+        let sections: Vec<&Section> = near.collect();
+        let mut beginnings: Vec<u32> = (0..sections.len() as u32).collect();
+        let start = |&i: &u32| sections[i as usize].s0;
+        beginnings.sort_unstable_by(|a, b| start(a).total_cmp(&start(b)));
+        Self {
+            sections,
+            beginnings,
+            begun: 0,
+            open: Vec::new(),
+        }
+    }
+
+    /// Moves on to an interval that starts at `s` and in which no section begins or ends.
+    fn advance_to(&mut self, s: f64) {
+        let sections = &self.sections;
+        self.open.retain(|&i| sections[i as usize].s1 > s);
+        while let Some(&i) = self.beginnings.get(self.begun) {
+            if sections[i as usize].s0 > s {
+                break;
+            }
+            self.begun += 1;
+            if sections[i as usize].s1 > s {
+                let place = self.open.partition_point(|&other| other < i);
+                self.open.insert(place, i);
+            }
+        }
+    }
+
+    /// The open section that is nearest at `s`.
+    fn nearest_at(&self, s: f64) -> Option<&'s Section> {
+        let open = self.open.iter().map(|&i| self.sections[i as usize]);
+        open.max_by(|a, b| a.w(s).total_cmp(&b.w(s)))
+    }
+}
+
+/// Reports the nearest section over (`from`, `to`), a part of the interval that `near` has come to.
+fn envelope(near: &Near, from: f64, to: f64, report: &mut impl FnMut(Option<FaceId>, f64, f64)) {
     let middle = 0.5 * (from + to);
-    let Some(top) = sections
-        .iter()
-        .filter(covers)
-        .max_by(|a, b| a.w(middle).total_cmp(&b.w(middle)))
-    else {
+    let Some(top) = near.nearest_at(middle) else {
         report(None, from, to);
         return;
     };
     // Another section may be nearer at an end: faces that pierce each other. Split where they cross.
-    for &end in &[from, to] {
-        let nearer = sections
-            .iter()
-            .filter(covers)
-            .max_by(|a, b| a.w(end).total_cmp(&b.w(end)))
-            .expect("top covers the interval");
+    for end in [from, to] {
+        let Some(nearer) = near.nearest_at(end) else {
+            continue;
+        };
         if nearer.w(end) > top.w(end) {
             let (gap_end, gap_mid) = (nearer.w(end) - top.w(end), top.w(middle) - nearer.w(middle));
             let cut = end + (middle - end) * (gap_end / (gap_end + gap_mid));
             if cut > from && cut < to {
-                envelope(sections, from, cut, report);
-                envelope(sections, cut, to, report);
+                envelope(near, from, cut, report);
+                envelope(near, cut, to, report);
                 return;
             }
         }

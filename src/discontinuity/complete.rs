@@ -12,18 +12,19 @@ use std::f64::consts::TAU;
 /// Distance of the two points of a pair, over the size of their face: about an element.
 const STEP: f64 = 1.0 / 64.0;
 
-/// Additive recurrences on these irrational steps fill the unit cube evenly (the generalised golden ratio of dimension 3,
-/// Roberts 2018).
-const STEPS: [f64; 3] = [
-    0.819_172_513_396_164_4,
-    0.671_043_606_703_789_2,
-    0.549_700_477_901_970_3,
+/// Additive recurrences on these irrational steps fill the unit cube evenly: the powers of the root of x⁵ = x + 1, the
+/// generalised golden ratio of dimension 4 (Roberts 2018).
+const STEPS: [f64; 4] = [
+    0.856_674_883_854_502_9,
+    0.733_891_856_627_126,
+    0.628_706_721_037_808_6,
+    0.538_597_257_223_61,
 ];
 
 /// What comparing neighbours told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct OutlineCheck {
-    /// Pairs of points, once for each emitter within whose reach they are.
+    /// Pairs of points within the reach of an emitter, each held against one that reaches it.
     pub pairs: usize,
     /// Pairs that see different outlines.
     pub changed: usize,
@@ -31,7 +32,8 @@ pub struct OutlineCheck {
     pub missed: usize,
 }
 
-/// Compares the outlines from `count` pairs of neighbouring points, spread evenly over the area of all sides.
+/// Compares the outlines from `count` pairs of neighbouring points, spread evenly over the area of all sides and over the
+/// emitters that reach them: with each emitter from each pair, a street of lamps would take longer than all its lines.
 ///
 /// `tolerance` is that of [`super::find_lines`].
 pub fn check_outlines(
@@ -64,7 +66,7 @@ pub fn check_outlines(
     let checks: Vec<OutlineCheck> = (0..if triangles.is_empty() { 0 } else { count })
         .into_par_iter()
         .map(|i| {
-            let [s, t, turn] = STEPS.map(|step| (0.5 + step * i as f64).fract());
+            let [s, t, turn, choice] = STEPS.map(|step| (0.5 + step * i as f64).fract());
             let at = sum * (i as f64 + 0.5) / count as f64;
             let k = triangles
                 .partition_point(|c| c.0 <= at)
@@ -73,7 +75,7 @@ pub fn check_outlines(
             let [a, b, c] = scene.faces[face].triangles[triangle].map(|v| scene.vertices[v]);
             let root = s.sqrt();
             let p = a * (1.0 - root) + b * (root * (1.0 - t)) + c * (root * t);
-            check.compare(lines.of(face, side), (face, side), p, turn)
+            check.compare(lines.of(face, side), (face, side), p, [turn, choice])
         })
         .collect();
     checks
@@ -95,13 +97,14 @@ struct Check<'c> {
 }
 
 impl Check<'_> {
-    /// Compares a point of a face with one a step away.
+    /// Compares a point of a face with one a step away; `turn` (0…1) tells in which direction, and `choice` (0…1) from which
+    /// of the emitters.
     fn compare(
         &self,
         lines: &FaceLines,
         (face, side): (FaceId, FaceSide),
         p: DVec3,
-        turn: f64,
+        [turn, choice]: [f64; 2],
     ) -> OutlineCheck {
         let (scene, light, tolerance) = (self.scene, self.light, self.tolerance);
         let f = &scene.faces[face];
@@ -121,34 +124,33 @@ impl Check<'_> {
         let view = |p: DVec2| Viewpoint::new(f.frame.to_space(p), normal);
         let (from, to) = (view(p), view(q));
         let ends = [from.position, to.position];
-        for emitter in scene.emitters.ids() {
-            if !self.reach.holds(emitter, &ends) {
-                continue;
-            }
-            let outline = |v| Outline::from_point(scene, light, emitter, (face, v));
-            check.pairs += 1;
-            if outline(&from) == outline(&to) {
-                continue;
-            }
-            check.changed += 1;
-            let is_line = |l: &Discontinuity| {
-                let ends = l.ends.map(|e| f.frame.to_plane(e));
-                distance([p, q], ends) <= 2.0 * tolerance.chord * size
-            };
-            if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
-                continue;
-            }
-            // A change that bends the light less than the lines that were left out is one of them.
-            let mut scratch = Scratch::default();
-            let mut at = |v: &Viewpoint| light.irradiance(v, &mut scratch).mean();
-            let bend = at(&from) - 2.0 * at(&view(p.midpoint(q))) + at(&to);
-            let whole = light
-                .unoccluded_from(emitter, &from, &mut Scratch::default())
-                .mean();
-            if tolerance.floor <= 0.0 || bend.abs() > tolerance.floor * whole {
-                check.missed += 1;
-            }
+        let reaching = scene.emitters.ids();
+        let reaching: Vec<_> = reaching.filter(|&e| self.reach.holds(e, &ends)).collect();
+        let Some(&emitter) = reaching.get((choice * reaching.len() as f64) as usize) else {
+            return check;
+        };
+        let outline = |v| Outline::from_point(scene, light, emitter, (face, v));
+        check.pairs = 1;
+        if outline(&from) == outline(&to) {
+            return check;
         }
+        check.changed = 1;
+        let is_line = |l: &Discontinuity| {
+            let ends = l.ends.map(|e| f.frame.to_plane(e));
+            distance([p, q], ends) <= 2.0 * tolerance.chord * size
+        };
+        if lines.contacts.iter().chain(&lines.candidates).any(is_line) {
+            return check;
+        }
+        // A change that bends the light less than the lines that were left out is one of them.
+        let mut scratch = Scratch::default();
+        let mut at = |v: &Viewpoint| light.irradiance(v, &mut scratch).mean();
+        let bend = at(&from) - 2.0 * at(&view(p.midpoint(q))) + at(&to);
+        let whole = light
+            .unoccluded_from(emitter, &from, &mut Scratch::default())
+            .mean();
+        let is_missed = tolerance.floor <= 0.0 || bend.abs() > tolerance.floor * whole;
+        check.missed = usize::from(is_missed);
         check
     }
 }

@@ -186,6 +186,14 @@ impl<'a> DirectLight<'a> {
         }
     }
 
+    /// The convex pieces of one emitter.
+    pub fn polygons_of(&self, emitter: EmitterId) -> &[EmitterPolygon] {
+        // They are made emitter by emitter.
+        let first = self.polygons.partition_point(|p| p.emitter < emitter);
+        let count = self.polygons[first..].partition_point(|p| p.emitter == emitter);
+        &self.polygons[first..first + count]
+    }
+
     /// Irradiance at `view` from one emitter as if nothing hid it, W/m².
     pub fn unoccluded_from(
         &self,
@@ -194,7 +202,7 @@ impl<'a> DirectLight<'a> {
         scratch: &mut Scratch,
     ) -> Irradiance {
         let mut sum = Irradiance::ZERO;
-        for polygon in self.polygons.iter().filter(|p| p.emitter == emitter) {
+        for polygon in self.polygons_of(emitter) {
             let f = unoccluded_factor(polygon, self.blockers, view, scratch);
             sum += Irradiance(polygon.exitance.0 * f);
         }

@@ -37,14 +37,13 @@ pub(super) fn find(search: &Search, meter: &Meter) -> Vec<Discontinuity> {
         .filter(|_| !meter.is_late())
         .map(|&face| {
             let mut out = Vec::new();
-            for polygons in light.polygons.chunk_by(|a, b| a.emitter == b.emitter) {
-                let corners = scene.faces[face].loops.iter().flatten();
-                let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
-                let emitter = polygons[0].emitter;
+            let corners = scene.faces[face].loops.iter().flatten();
+            let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
+            for emitter in search.cut_by(&corners) {
                 if search.is_within_reach(emitter, &corners)
                     && search.is_plane_worth(emitter, face, &corners)
                 {
-                    past_face(search, polygons, face, &mut out);
+                    past_face(search, light.polygons_of(emitter), face, &mut out);
                 }
             }
             out

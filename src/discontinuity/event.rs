@@ -2,7 +2,7 @@
 
 use super::corner::Corners;
 use super::from_emitter::{past_edges, past_vertices};
-use super::reach::Reach;
+use super::reach::{Balls, Reach};
 use super::span::LitSpans;
 use super::trace::Touch;
 use super::wedge::side_of_face;
@@ -11,6 +11,7 @@ use super::{Cause, Discontinuity, LineTolerance};
 use crate::direct::DirectLight;
 use crate::geom::Plane;
 use crate::scene::{EdgeId, EdgeUse, EmitterId, FaceId, IdVec, Scene, VertexId};
+use crate::visibility::Region;
 use glam::DVec3;
 
 /// What exceeds a threshold so many times does so whatever rounding did.
@@ -105,6 +106,9 @@ pub(super) struct Search<'a> {
     /// Lines that break by less than this are left out, W/m².
     pub(super) least: f64,
     reach: Reach,
+    /// As far as views through vertices, and planes of faces, are looked at.
+    views: Balls,
+    planes: Balls,
     /// What is looked at where there is too much.
     pub(super) worth: Worth,
     corners: Corners,
@@ -139,12 +143,16 @@ impl<'a> Search<'a> {
             let lengths = incident[v].iter().map(|&e| length(scene, e));
             lengths.fold(0.0, f64::max)
         };
+        let worth = Worth::new(scene, &reach, longest_at);
+        let radius_of_views = |e| reach.radius(e).min(worth.radius(e, worth.view));
         Self {
             scene,
             light,
             floor: tolerance.floor,
             least: tolerance.least,
-            worth: Worth::new(scene, &reach, longest_at),
+            views: Balls::new(scene, &reach, radius_of_views),
+            planes: Balls::new(scene, &reach, |e| reach.radius(e)),
+            worth,
             reach,
             incident,
             corners: Corners::new(scene, light.blockers),
@@ -179,6 +187,61 @@ impl<'a> Search<'a> {
     /// False when the emitter gives too little there, or beyond, for any line: farther from it than it matters.
     pub(super) fn is_within_reach(&self, emitter: EmitterId, points: &[DVec3]) -> bool {
         self.reach.holds(emitter, points)
+    }
+
+    /// The box around all that the emitter gives enough light for lines that matter.
+    pub(super) fn bounds(&self, emitter: EmitterId) -> (DVec3, DVec3) {
+        self.box_around(emitter, self.reach.radius(emitter))
+    }
+
+    fn box_around(&self, emitter: EmitterId, radius: f64) -> (DVec3, DVec3) {
+        let middle = self.reach.lamps[emitter].middle;
+        let radius = DVec3::splat(radius + self.scene.weld_distance);
+        (middle - radius, middle + radius)
+    }
+
+    /// The parts of blockers whose edges and vertices may make wedges with the emitter.
+    fn parts_near(&self, emitter: EmitterId) -> Vec<u32> {
+        let worth = self.worth.radius(emitter, self.worth.wedge);
+        let region = Region {
+            planes: [].into_iter().collect(),
+            bounds: self.box_around(emitter, self.reach.radius(emitter).min(worth)),
+        };
+        let mut parts = Vec::new();
+        self.light.blockers.query(&region, |i| parts.push(i));
+        parts
+    }
+
+    /// The edges that may make wedges with the emitter, ascending.
+    pub(super) fn edges_near(&self, emitter: EmitterId) -> Vec<EdgeId> {
+        let blockers = self.light.blockers;
+        let parts = self.parts_near(emitter).into_iter();
+        let edges = parts.flat_map(|i| blockers.edges(blockers.part(i)).iter().flatten().copied());
+        let mut edges: Vec<EdgeId> = edges.collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// The vertices that may make wedges with the emitter, ascending.
+    pub(super) fn vertices_near(&self, emitter: EmitterId) -> Vec<VertexId> {
+        let blockers = self.light.blockers;
+        let parts = self.parts_near(emitter).into_iter();
+        let vertices = parts.flat_map(|i| blockers.vertices(blockers.part(i)).iter().copied());
+        let mut vertices: Vec<VertexId> = vertices.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    }
+
+    /// The emitters that may be looked at through a vertex, ascending.
+    pub(super) fn viewed_through(&self, position: DVec3) -> Vec<EmitterId> {
+        self.views.around(&[position])
+    }
+
+    /// The emitters that the plane of a face with these corners may be followed from, ascending.
+    pub(super) fn cut_by(&self, corners: &[DVec3]) -> Vec<EmitterId> {
+        self.planes.around(corners)
     }
 
     /// False when an edge ranks too low for the emitter, among so many.

@@ -33,27 +33,22 @@ pub(super) fn past_edges(
     let apex_position = scene.vertices[vertex];
     let apex = Apex::Vertex(vertex, apex_position);
     let tol = scene.weld_distance;
-    for (id, edge) in scene.edges.iter() {
+    for id in search.edges_near(emitter) {
+        let edge = &scene.edges[id];
         let ends = edge.ends.map(|v| scene.vertices[v]);
         let rim = in_front(scene, &plane, edge.ends).filter(|_| {
             search.is_within_reach(emitter, &ends)
                 && search.is_worth(emitter, id, search.worth.wedge)
         });
         let Some(rim) = rim else {
-            found.culled += 1;
             continue;
         };
-        if edge.ends.contains(&vertex) {
-            continue;
-        }
-        if search.is_certainly_no_silhouette(id, apex_position) {
-            found.culled += 1;
+        if edge.ends.contains(&vertex) || search.is_certainly_no_silhouette(id, apex_position) {
             continue;
         }
         let wedge = Wedge::new(apex, rim, Some(edge.ends), tol)
             .filter(|w| is_silhouette(scene, &w.plane, id));
         let Some(wedge) = wedge else {
-            found.culled += 1;
             continue;
         };
         found.wedges += 1;
@@ -80,6 +75,7 @@ pub(super) fn past_edges(
             &mut found,
         );
     }
+    found.culled = scene.edges.len() - found.wedges;
     found
 }
 
@@ -91,23 +87,21 @@ pub(super) fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId
     let mut hiders = Hiders::default();
     let rim = ends.map(|v| scene.vertices[v]);
     let tol = scene.weld_distance;
-    for (vertex, &position) in scene.vertices.iter() {
+    for vertex in search.vertices_near(emitter) {
+        let position = scene.vertices[vertex];
         if plane.distance(position) <= tol
             || ends.contains(&vertex)
             || !search.can_be_grazed(vertex)
             || !search.is_within_reach(emitter, &[position])
             || !search.is_vertex_worth(emitter, vertex, search.worth.wedge)
         {
-            found.culled += 1;
             continue;
         }
         let Some(wedge) = Wedge::new(Apex::Vertex(vertex, position), rim, Some(ends), tol) else {
-            found.culled += 1;
             continue;
         };
         let lit = search.grazing(vertex, rim);
         if lit.is_empty() {
-            found.culled += 1;
             continue;
         }
         found.wedges += 1;
@@ -131,6 +125,7 @@ pub(super) fn past_vertices(search: &Search, emitter: EmitterId, ends: [VertexId
             &mut found,
         );
     }
+    found.culled = scene.vertices.len() - found.wedges;
     found
 }
 

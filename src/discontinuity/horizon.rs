@@ -1,5 +1,6 @@
 //! The emitter's horizon: where its own plane meets a receiver, light begins with a jump of the slope (D1).
 
+use super::event::Search;
 use super::trace;
 use super::wedge::{Apex, Wedge};
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
@@ -8,43 +9,50 @@ use crate::geom::Plane;
 use crate::scene::{EmitterId, FaceSide, Scene};
 use crate::visibility::{Part, Region, Scratch, Viewpoint};
 use glam::DVec3;
+use rayon::prelude::*;
 
-/// The horizon lines of all emitters on all receivers, as far as some corner of the emitter sees them within its plane.
-pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
+/// The horizon lines of all emitters on all receivers that they reach, as far as some corner of the emitter sees them within
+/// its plane.
+pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
+    let emitters: Vec<EmitterId> = search.scene.emitters.ids().collect();
+    let found: Vec<Vec<Discontinuity>> = emitters
+        .par_iter()
+        .map(|&emitter| of_emitter(search, emitter))
+        .collect();
+    found.into_iter().flatten().collect()
+}
+
+fn of_emitter(search: &Search, emitter: EmitterId) -> Vec<Discontinuity> {
+    let (scene, light) = (search.scene, search.light);
+    let e = scene.emitters[emitter];
+    let (origin, normal) = (
+        scene.faces[e.face].frame.origin,
+        scene.normal(e.face, e.side),
+    );
+    let plane = Plane::new(origin, normal);
+    let above_and_below = normal * scene.weld_distance;
+    let slab = Region {
+        planes: [
+            Plane::new(origin - above_and_below, normal),
+            Plane::new(origin + above_and_below, -normal),
+        ]
+        .into_iter()
+        .collect(),
+        bounds: search.bounds(emitter),
+    };
+    let mut parts = Vec::new();
+    light.blockers.query(&slab, |i| parts.push(i));
+    parts.sort_unstable();
     let mut out = Vec::new();
-    for id in scene.emitters.ids() {
-        let e = scene.emitters[id];
-        let plane = Plane::new(
-            scene.faces[e.face].frame.origin,
-            scene.normal(e.face, e.side),
-        );
-        let tol = scene.weld_distance;
-        let slab = Region {
-            planes: [
-                Plane::new(
-                    scene.faces[e.face].frame.origin - plane.normal * tol,
-                    plane.normal,
-                ),
-                Plane::new(
-                    scene.faces[e.face].frame.origin + plane.normal * tol,
-                    -plane.normal,
-                ),
-            ]
-            .into_iter()
-            .collect(),
-            bounds: (DVec3::NEG_INFINITY, DVec3::INFINITY),
+    for i in parts {
+        let part = light.blockers.part(i);
+        let crossing = crossing(light, part, &plane);
+        let Some(ends) = crossing.filter(|ends| search.is_within_reach(emitter, ends)) else {
+            continue;
         };
-        let mut parts = Vec::new();
-        light.blockers.query(&slab, |i| parts.push(i));
-        parts.sort_unstable();
-        for i in parts {
-            let part = light.blockers.part(i);
-            if let Some(ends) = crossing(light, part, &plane) {
-                for side in [FaceSide::Front, FaceSide::Back] {
-                    if scene.receives(part.face, side) {
-                        on_receiver(scene, light, id, part, side, ends, &mut out);
-                    }
-                }
+        for side in [FaceSide::Front, FaceSide::Back] {
+            if scene.receives(part.face, side) {
+                on_receiver(scene, light, emitter, part, side, ends, &mut out);
             }
         }
     }
@@ -109,11 +117,7 @@ fn on_receiver(
     }
     for (a, b) in merged {
         let at = |s: f64| ends[0] + (ends[1] - ends[0]) * s;
-        let plane = light
-            .polygons
-            .iter()
-            .find(|p| p.emitter == emitter)
-            .map(|p| p.plane);
+        let plane = light.polygons_of(emitter).first().map(|p| p.plane);
         // On the line itself the emitter is seen edge-on; its size away from it gives the scale of the break.
         let size = scene.faces[scene.emitters[emitter].face].area.sqrt();
         let jump = plane.map_or(0.0, |p| {

@@ -308,7 +308,7 @@ pub fn find_lines_within(
             lines[slot(s.face, s.side)].candidates.push(s);
         }
     }
-    for s in horizon::find(scene, light) {
+    for s in horizon::find(&search) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
     for s in edge_on::find(&search, meter) {

@@ -38,7 +38,8 @@ pub(super) fn through_vertex(search: &Search, vertex: VertexId, scratch: &mut Sc
     }
     let (scene, light) = (search.scene, search.light);
     let eye = scene.vertices[vertex];
-    for polygon in &light.polygons {
+    let emitters = search.viewed_through(eye).into_iter();
+    for polygon in emitters.flat_map(|e| light.polygons_of(e)) {
         if polygon.plane.distance(eye) <= scene.weld_distance
             || !search.is_within_reach(polygon.emitter, &[eye])
             || !search.is_vertex_worth(polygon.emitter, vertex, search.worth.view)

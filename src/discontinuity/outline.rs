@@ -70,7 +70,7 @@ impl Outline {
 /// Edges of the blockers between a viewpoint and an emitter.
 fn edges_before(light: &DirectLight, emitter: EmitterId, view: &Viewpoint) -> Vec<EdgeId> {
     let mut parts = Vec::new();
-    for polygon in light.polygons.iter().filter(|p| p.emitter == emitter) {
+    for polygon in light.polygons_of(emitter) {
         let region = Region::pyramid(view.position, &polygon.corners);
         light
             .blockers

@@ -2,10 +2,12 @@
 //!
 //! A face of area A that leaves M gives at most `M A / (π d²)` at a distance d from it, whichever way both look. Lines break by
 //! no more than that, so beyond the distance at which it falls below what matters none need be looked for; and what
-//! stands there throws its shadows only farther away. In scenes with hundreds of small lamps most edges are far from most.
+//! stands there throws its shadows only farther away. In scenes with hundreds of small lamps most edges are far from most:
+//! the trees of things and of lamps tell which are not.
 
 use crate::quantity::Exitance;
 use crate::scene::{EmitterId, IdVec, Scene};
+use crate::visibility::{BoxTree, Region};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -50,19 +52,67 @@ impl Reach {
         }
     }
 
+    /// The radius of the emitter's ball around its middle, metres; infinite when everything matters.
+    pub(super) fn radius(&self, emitter: EmitterId) -> f64 {
+        let lamp = self.lamps[emitter];
+        lamp.radius + (lamp.power / self.least).sqrt()
+    }
+
     /// False when the convex hull of `points` certainly lies outside of the emitter's ball: that of an edge or a face.
     pub(super) fn holds(&self, emitter: EmitterId, points: &[DVec3]) -> bool {
-        let lamp = self.lamps[emitter];
-        let reach = lamp.radius + (lamp.power / self.least).sqrt();
-        reach.is_infinite() || lamp.distance(points) <= reach
+        let radius = self.radius(emitter);
+        radius.is_infinite() || self.lamps[emitter].distance(points) <= radius
     }
+}
+
+/// The emitters as balls of their own radii, in a tree: of hundreds few are near.
+pub(super) struct Balls {
+    tree: BoxTree,
+}
+
+impl Balls {
+    /// `radius` tells how far from the middle of an emitter it is near, metres.
+    pub(super) fn new(scene: &Scene, reach: &Reach, radius: impl Fn(EmitterId) -> f64) -> Self {
+        // The tree wants finite boxes.
+        let (low, high) = bounds(scene.vertices.as_slice());
+        let boxes = reach.lamps.iter().map(|(id, lamp)| {
+            let radius = DVec3::splat(radius(id));
+            (
+                (lamp.middle - radius).max(low),
+                (lamp.middle + radius).min(high),
+            )
+        });
+        Self {
+            tree: BoxTree::new(boxes),
+        }
+    }
+
+    /// The emitters that the box around `points` may be near to, ascending.
+    pub(super) fn around(&self, points: &[DVec3]) -> Vec<EmitterId> {
+        let region = Region {
+            planes: [].into_iter().collect(),
+            bounds: bounds(points),
+        };
+        let mut near = Vec::new();
+        self.tree.query(&region, |i| near.push(EmitterId(i)));
+        near.sort_unstable();
+        near
+    }
+}
+
+/// The box around `points`.
+fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
+    let points = points.iter().copied();
+    (
+        points.clone().fold(DVec3::INFINITY, DVec3::min),
+        points.fold(DVec3::NEG_INFINITY, DVec3::max),
+    )
 }
 
 impl Lamp {
     /// Distance of the middle from the box around `points`, metres: no more than from anything between them.
     pub(super) fn distance(&self, points: &[DVec3]) -> f64 {
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (low, high) = bounds(points);
         self.middle.distance(self.middle.clamp(low, high))
     }
 }

@@ -54,11 +54,8 @@ pub(super) fn predicted_jump(
         features,
         scene.faces[end.face].area.sqrt(),
     );
-    let exitance = light
-        .polygons
-        .iter()
-        .find(|p| p.emitter == emitter)
-        .map_or(0.0, |p| p.exitance.0.mean());
+    let polygon = light.polygons_of(emitter).first();
+    let exitance = polygon.map_or(0.0, |p| p.exitance.0.mean());
     let corner = exitance / PI * normal.dot(direction).max(0.0) * width * width;
     let jump = CORNER_SHARE * whole.min(corner);
     (jump > 0.0 && jump >= floor * whole).then_some(jump)

@@ -24,6 +24,9 @@ const MOST_PLANES: usize = 40_000;
 /// Triples of edges that are followed.
 const MOST_TRIPLES: usize = 50_000;
 
+/// Ranks that are told one by one; of more an even choice stands for all.
+const MOST_RANKED: usize = 20_000_000;
+
 /// Parts in the way of one view, plane or ruling from which on, in scenes of too many features, it is not followed: light comes
 /// through in bits too small for any line that they draw.
 const CLUTTER: usize = 256;
@@ -36,6 +39,8 @@ const FACTORS: f64 = 64.0;
 #[derive(Clone, Debug)]
 pub(super) struct Worth {
     lamps: IdVec<EmitterId, Lamp>,
+    /// Of all features, metres.
+    longest: f64,
     /// Of edges and vertices in wedges from the emitter.
     pub(super) wedge: f64,
     /// Of vertices through which the emitter is seen, and of the edges seen with it.
@@ -51,8 +56,11 @@ impl Worth {
         reach: &Reach,
         longest_at: impl Fn(VertexId) -> f64 + Sync,
     ) -> Self {
+        let edges: Vec<EdgeId> = scene.edges.ids().collect();
+        let longest = edges.iter().map(|&e| length(scene, e));
         let mut worth = Self {
             lamps: reach.lamps.clone(),
+            longest: longest.fold(0.0, f64::max),
             wedge: 0.0,
             view: 0.0,
             plane: 0.0,
@@ -69,7 +77,6 @@ impl Worth {
             ranked.collect::<Vec<_>>()
         };
         let position = |v: VertexId| scene.vertices[v];
-        let edges: Vec<EdgeId> = scene.edges.ids().collect();
         let vertices: Vec<VertexId> = scene.vertices.ids().collect();
         let along_edge = |&e: &EdgeId| {
             let ends = scene.edges[e].ends.map(position);
@@ -82,29 +89,41 @@ impl Worth {
             ranks(&points, face.area.sqrt(), &|_| 1)
         };
         let all: usize = ids.iter().map(|&e| corners(e)).sum();
+        // Every so many-th feature stands for those up to the next one.
+        let step = |features: usize| (ids.len() * features).div_ceil(MOST_RANKED).max(1);
         let wedge = if all * (edges.len() + vertices.len()) > MOST_WEDGES {
-            let both = (edges.par_iter().flat_map_iter(along_edge))
-                .chain(vertices.par_iter().flat_map_iter(at_vertex));
-            least(both, MOST_WEDGES)
-        } else {
-            0.0
-        };
-        let view = if ids.len() * vertices.len() > MOST_VIEWS {
+            let step = step(edges.len() + vertices.len());
+            let edges = edges.par_iter().step_by(step).flat_map_iter(along_edge);
+            let vertices = vertices.par_iter().step_by(step);
             least(
-                vertices.par_iter().flat_map_iter(through_vertex),
-                MOST_VIEWS,
+                edges.chain(vertices.flat_map_iter(at_vertex)),
+                MOST_WEDGES / step,
             )
         } else {
             0.0
         };
+        let view = if ids.len() * vertices.len() > MOST_VIEWS {
+            let step = step(vertices.len());
+            let vertices = vertices.par_iter().step_by(step);
+            least(vertices.flat_map_iter(through_vertex), MOST_VIEWS / step)
+        } else {
+            0.0
+        };
         let plane = if ids.len() * scene.faces.len() > MOST_PLANES {
-            let faces = scene.faces.as_slice().par_iter();
-            least(faces.flat_map_iter(of_face), MOST_PLANES)
+            let step = step(scene.faces.len());
+            let faces = scene.faces.as_slice().par_iter().step_by(step);
+            least(faces.flat_map_iter(of_face), MOST_PLANES / step)
         } else {
             0.0
         };
         (worth.wedge, worth.view, worth.plane) = (wedge, view.max(wedge), plane);
         worth
+    }
+
+    /// Farther than this from the middle of an emitter no edge, and no vertex, ranks above `least`, metres.
+    pub(super) fn radius(&self, emitter: EmitterId, least: f64) -> f64 {
+        let lamp = self.lamps[emitter];
+        lamp.radius + (lamp.power * self.longest / least).sqrt()
     }
 
     /// Whether something ranks too low to be looked at.

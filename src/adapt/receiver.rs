@@ -5,7 +5,7 @@ use super::breaks::Rank;
 use super::fit::fit;
 use super::samples::{ElementError, Samples};
 use super::vantages::Vantages;
-use crate::direct::Outlook;
+use crate::direct::{Outlook, Vantage};
 use crate::discontinuity::FaceLines;
 use crate::mesh::{FaceDomain, GridPoint, MeshError, ReceiverMesh};
 use crate::quantity::Irradiance;
@@ -38,6 +38,8 @@ pub struct Receiver {
     pub size: Size,
     /// Of a tiny face, what its middle sees of the emitters.
     pub(super) outlook: Option<Outlook>,
+    /// What may be seen of the emitters from around it, where that is known.
+    pub around: Option<Arc<Vantage>>,
     /// What its pieces see of them.
     pub(super) vantages: Vantages,
     /// Direct and indirect irradiance that there is at the sites of `mesh`, W/m².
@@ -72,6 +74,7 @@ impl Receiver {
             is_lit: true,
             size: Size::default(),
             outlook: None,
+            around: None,
             vantages: Vantages::default(),
             exact: [Vec::new(), Vec::new()],
             kept: vec![false; candidates.len()],
@@ -191,7 +194,9 @@ impl Receiver {
                 self.look_out(light, &mesh);
             }
             if self.outlook.is_none() {
-                self.vantages.refine(light.direct, &self.domain, &mesh);
+                let around = self.around.as_deref();
+                self.vantages
+                    .refine(light.direct, &self.domain, &mesh, around);
             }
             self.exact = self.light_at_sites(light, &mesh);
             if let Some(limit) = limit {

@@ -183,7 +183,8 @@ impl Receiver {
         };
         self.samples.evaluations += 1;
         let (view, tolerance) = (self.view(middle), self.size.accuracy() * light.tolerance);
-        let found = SCRATCH.with_borrow_mut(|s| light.direct.outlook(&view, tolerance, s));
+        let around = self.around.as_deref();
+        let found = SCRATCH.with_borrow_mut(|s| light.direct.outlook(&view, around, tolerance, s));
         self.outlook = Some(found);
     }
 
@@ -212,7 +213,8 @@ impl Receiver {
             },
             None => {
                 let tolerance = self.size.accuracy() * light.tolerance;
-                direct.look_within(&view, self.vantages.at(p), tolerance, scratch)
+                let vantage = self.vantages.at(p).or(self.around.as_deref());
+                direct.look_within(&view, vantage, tolerance, scratch)
             }
         })
     }

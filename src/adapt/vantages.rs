@@ -56,12 +56,13 @@ impl Vantages {
         i
     }
 
-    /// Halves the pieces that hold too many elements of `mesh`.
+    /// Halves the pieces that hold too many elements of `mesh`; what may be seen from around the face is known to be `around`.
     pub(super) fn refine(
         &mut self,
         direct: &DirectLight,
         domain: &FaceDomain,
         mesh: &ReceiverMesh,
+        around: Option<&Vantage>,
     ) {
         if !self.is_known {
             if mesh.elements.len() < LEAST_ELEMENTS {
@@ -76,7 +77,7 @@ impl Vantages {
             if domain.side == FaceSide::Back {
                 corners.reverse();
             }
-            let whole = Node::new(corners, None, direct, domain);
+            let whole = Node::new(corners, around, direct, domain);
             if whole.vantage.is_news() {
                 self.nodes.push(whole);
             }

@@ -8,6 +8,7 @@ use super::DirectLight;
 use super::emitters::{EmitterPolygon, visible_factor_among};
 use super::many::Prospect;
 use super::punctual::irradiance_by;
+use super::vantage::Vantage;
 use crate::quantity::Irradiance;
 use crate::scene::PunctualLight;
 use crate::visibility::{Blockers, Scratch, Screening, Viewpoint};
@@ -119,9 +120,15 @@ impl DirectLight<'_> {
         look
     }
 
-    /// Whether `view` sees any of the emitters, or of a light; behind a crowd of blockers, whether the first rays do.
-    pub fn is_seen(&self, view: &Viewpoint, scratch: &mut Scratch) -> bool {
-        let prospects = self.prospects(view, None, scratch);
+    /// Whether `view` sees any of the emitters, or of a light; behind a crowd of blockers, whether the first rays do. `vantage`
+    /// is as in [`DirectLight::look_within`].
+    pub fn is_seen(
+        &self,
+        view: &Viewpoint,
+        vantage: Option<&Vantage>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        let prospects = self.prospects(view, vantage, scratch);
         let mut shows = |p: &Prospect| {
             let doubt = p.factor / f64::from(FIRST);
             let found = self.factor_within(doubt, 0, p, view, scratch);

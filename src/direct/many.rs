@@ -9,6 +9,7 @@ use super::crowd::{Factor, Look};
 use super::emitters::{EmitterPolygon, unoccluded_factor};
 use super::punctual::irradiance_by;
 use super::vantage::Vantage;
+use crate::geom::Plane;
 use crate::quantity::Irradiance;
 use crate::scene::PunctualLight;
 use crate::visibility::{Scratch, Viewpoint};
@@ -67,12 +68,25 @@ impl DirectLight<'_> {
         look
     }
 
-    /// Whether `view` sees the middle of some emitter, or a light without a surface.
-    pub fn sees_a_middle(&self, view: &Viewpoint, scratch: &mut Scratch) -> bool {
-        let prospects = self.prospects(view, None, scratch);
-        let shows = |p: &Prospect| self.factor_by_ray(p, view, p.polygon.middle()) > 0.0;
+    /// Whether `view` sees the middle of some emitter, or a light without a surface; `vantage` is as in
+    /// [`DirectLight::look_within`].
+    pub fn sees_a_middle(&self, view: &Viewpoint, vantage: Option<&Vantage>) -> bool {
+        let shows = |p: &EmitterPolygon| {
+            let middle = p.middle();
+            let is_faced = |plane: &Plane, point| plane.distance(point) > 0.0;
+            is_faced(&p.plane, view.position)
+                && is_faced(&view.horizon, middle)
+                && self.blockers.sees(view, middle, p.face)
+        };
         let is_lit = |l: &PunctualLight| irradiance_by(l, self.blockers, view).mean() > 0.0;
-        prospects.iter().any(shows) || self.lights.iter().any(is_lit)
+        let is_shown = match vantage {
+            Some(vantage) => {
+                let mut numbers = vantage.sights().map(|(n, _)| n as usize);
+                numbers.any(|n| shows(&self.polygons[n]))
+            }
+            None => self.polygons.iter().any(shows),
+        };
+        is_shown || self.lights.iter().any(is_lit)
     }
 
     /// The irradiance at `view`, W/m², right in the mean over many views with rays of their own: each emitter is seen wholly or

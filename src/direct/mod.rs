@@ -1,5 +1,6 @@
 //! Exact light straight from the emitters: faces that shine, and lights without a surface.
 
+mod cell;
 mod crowd;
 mod emitters;
 mod irradiance;

@@ -7,6 +7,7 @@
 use super::DirectLight;
 use super::emitters::unoccluded_factor;
 use super::punctual::irradiance_by;
+use super::vantage::Vantage;
 use crate::quantity::Irradiance;
 use crate::visibility::{Scratch, Viewpoint};
 use smallvec::SmallVec;
@@ -21,9 +22,16 @@ pub struct Outlook {
 }
 
 impl DirectLight<'_> {
-    /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::look_within`] `tolerance`.
-    pub fn outlook(&self, view: &Viewpoint, tolerance: f64, scratch: &mut Scratch) -> Outlook {
-        let prospects = self.prospects(view, None, scratch);
+    /// What is seen from `view`, the middle of a small face; as good as [`DirectLight::look_within`] `tolerance`, with the same
+    /// `vantage`.
+    pub fn outlook(
+        &self,
+        view: &Viewpoint,
+        vantage: Option<&Vantage>,
+        tolerance: f64,
+        scratch: &mut Scratch,
+    ) -> Outlook {
+        let prospects = self.prospects(view, vantage, scratch);
         let factors = self.factors(&prospects, tolerance, view, scratch);
         let mut outlook = Outlook::default();
         for (p, factor) in prospects.iter().zip(factors) {

@@ -34,6 +34,26 @@ struct Sighted {
 }
 
 impl Vantage {
+    /// All of so many polygons may be seen.
+    pub(super) fn of_all(count: usize) -> Self {
+        let numbers = 0..count as u32;
+        let sight = |number| Sighted {
+            number,
+            screens: None,
+        };
+        Self {
+            sights: numbers.map(sight).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Leaves out the polygons, by number, that cannot be seen.
+    pub(super) fn retain(&mut self, may_be_seen: impl Fn(u32) -> bool) {
+        let before = self.sights.len();
+        self.sights.retain(|s| may_be_seen(s.number));
+        self.is_news |= self.sights.len() < before;
+    }
+
     /// The numbers of the polygons, each with the screens that may hide it, if these are known.
     pub(super) fn sights(&self) -> impl Iterator<Item = (u32, Option<&[u32]>)> {
         let range = |[from, to]: [u32; 2]| &self.screens[from as usize..to as usize];

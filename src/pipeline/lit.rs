@@ -1,7 +1,7 @@
 //! Which sides show the light that reaches them.
 
 use super::World;
-use crate::direct::DirectLight;
+use crate::direct::{DirectLight, Vantage};
 use crate::discontinuity::{EventKind, FaceLines, LineMap};
 use crate::quantity::Exitance;
 use crate::radiosity::reached;
@@ -9,17 +9,21 @@ use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Scratch, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// How far beside a line light is looked for, as a share of its length.
 const BESIDE_SHARE: f64 = 0.01;
 
 /// Which sides show light that reaches them: directly (it shows at coarse points, or draws a line), or by way of other
 /// sides. A lamp that reflects nothing shows its own light alone.
+///
+/// `vantages` tells which emitters may be seen from each side, if that is known.
 pub(super) fn lit_sides(
     world: &World,
     direct: &DirectLight,
     lines: &LineMap,
     sides: &[(FaceId, FaceSide)],
+    vantages: Option<&[Arc<Vantage>]>,
     with_bounces: bool,
 ) -> Vec<bool> {
     let scene = &world.scene;
@@ -36,19 +40,21 @@ pub(super) fn lit_sides(
         false => lit,
     };
     let points = |i: usize| views[i].iter().chain(&beside[i]);
+    let vantage = |i: usize| vantages.map(|v| v[i].as_ref());
     let mut lit = spread(
+        // Most that is lit sees the middle of an emitter.
         (0..sides.len())
             .into_par_iter()
-            .map_init(Scratch::default, |scratch, i| {
-                shows_emitter(direct, points(i), scratch)
-            })
+            .map(|i| points(i).any(|v| direct.sees_a_middle(v, vantage(i))))
             .collect(),
     );
     // Exact cutting is dear, and few sides are left to it.
     let found: Vec<bool> = (0..sides.len())
         .into_par_iter()
         .map_init(Scratch::default, |scratch, i| {
-            !lit[i] && shows_part_of_emitter(direct, points(i), scratch)
+            let mut is_seen =
+                |v: &Viewpoint| direct.rises(v) && direct.is_seen(v, vantage(i), scratch);
+            !lit[i] && points(i).any(&mut is_seen)
         })
         .collect();
     if found.contains(&true) {
@@ -69,24 +75,6 @@ fn views(scene: &Scene, face: FaceId, side: FaceSide) -> Vec<Viewpoint> {
         .iter()
         .map(|t| Viewpoint::new(on_plane(middle(t)), scene.normal(face, side)))
         .collect()
-}
-
-/// Whether one of the viewpoints sees the middle of an emitter: most that is lit does.
-fn shows_emitter<'v>(
-    direct: &DirectLight,
-    mut views: impl Iterator<Item = &'v Viewpoint>,
-    scratch: &mut Scratch,
-) -> bool {
-    views.any(|v| direct.sees_a_middle(v, scratch))
-}
-
-/// Whether one of the viewpoints sees any of an emitter.
-fn shows_part_of_emitter<'v>(
-    direct: &DirectLight,
-    mut views: impl Iterator<Item = &'v Viewpoint>,
-    scratch: &mut Scratch,
-) -> bool {
-    views.any(|v| direct.rises(v) && direct.is_seen(v, scratch))
 }
 
 /// Viewpoints to both sides of the middle of each line: light that reaches a face only within a small patch draws lines

@@ -162,6 +162,9 @@ const START_SPACING: f64 = 0.15;
 /// single rays.
 const WEAK_SHARE: f64 = 0.2;
 
+/// Where the convex pieces of emitters are no more than this, each face finds out for itself which of them it may see.
+const FEW_EMITTERS: usize = 8;
+
 /// Lights `world` to the error asked for.
 ///
 /// # Errors
@@ -182,7 +185,10 @@ pub fn light<'a>(
         && sides
             .iter()
             .any(|&(f, _)| !scene.faces[f].reflectance.is_black());
-    let is_lit = lit_sides(world, &direct, &lines, &sides, with_bounces);
+    let is_many = direct.polygons.len() > FEW_EMITTERS;
+    let vantages = is_many.then(|| direct.vantages_of_sides(scene, &sides));
+    let known = vantages.as_deref();
+    let is_lit = lit_sides(world, &direct, &lines, &sides, known, with_bounces);
     let domains = lit_domains(scene, &lines, &sides, &is_lit);
 
     run.start("first guess");
@@ -206,7 +212,9 @@ pub fn light<'a>(
     let mean_indirect = guess.indirect;
     let weak = WEAK_SHARE * settings.error * (guess.direct + mean_indirect);
     let mut aim = Aim::new(mesher, solve_mesh.is_some(), weak);
-    let mut receivers = aim.mesher.receivers(scene, &sides, &is_lit, domains, lines);
+    let mut receivers = aim
+        .mesher
+        .receivers(scene, &sides, &is_lit, domains, lines, vantages);
     run.refine_display(&mut aim, &mut receivers, &direct, None, mean_indirect)?;
     let indirect = match solve_mesh {
         Some(mesh) => Some(run.solve(world, mesh, &mut receivers, mean_indirect)?),

@@ -10,7 +10,7 @@ use super::{LightError, Measured, Progress, Solution, Step, Summary, World, doma
 use crate::adapt::{self, AdaptReport, Illumination, Meshing, Receiver};
 use crate::bad_input::BadInput;
 use crate::budget::{Limit, Meter};
-use crate::direct::DirectLight;
+use crate::direct::{DirectLight, Vantage};
 use crate::discontinuity::{FaceLines, LineMap, LineTolerance, check_outlines, find_lines_within};
 use crate::mesh::{FaceDomain, MeshError};
 use crate::quantity::Irradiance;
@@ -356,7 +356,8 @@ pub(super) struct Mesher {
 }
 
 impl Mesher {
-    /// The sides to mesh, with their lines: all that are lit, whose `domains` are given, and the fronts of the others.
+    /// The sides to mesh, with their lines: all that are lit, whose `domains` are given, and the fronts of the others. `vantages`
+    /// tells which emitters may be seen from each side, if that is known.
     pub(super) fn receivers(
         &self,
         scene: &Scene,
@@ -364,16 +365,19 @@ impl Mesher {
         is_lit: &[bool],
         domains: Vec<Arc<FaceDomain>>,
         mut lines: LineMap,
+        vantages: Option<Vec<Arc<Vantage>>>,
     ) -> Vec<Receiver> {
         let area = |face: FaceId| scene.faces[face].area;
         let lit = sides.iter().zip(is_lit).filter(|s| *s.1);
         let lit_area: f64 = lit.map(|(s, _)| area(s.0)).sum();
         let mut domains = domains.into_iter();
+        let around = |i: usize| vantages.as_ref().map(|v| v[i].clone());
         sides
             .iter()
             .zip(is_lit)
-            .filter(|&(&(_, side), &lit)| lit || side == FaceSide::Front)
-            .map(|(&(face, side), &lit)| {
+            .enumerate()
+            .filter(|&(_, (&(_, side), &lit))| lit || side == FaceSide::Front)
+            .map(|(i, (&(face, side), &lit))| {
                 let with_lines = if lit { domains.next() } else { None };
                 let (domain, lines) = match self.meshing {
                     Meshing::Discontinuity => {
@@ -388,6 +392,7 @@ impl Mesher {
                 };
                 let mut r = Receiver::new(scene, domain, lines, self.spacing);
                 r.is_lit = lit;
+                r.around = around(i);
                 r.size = Size::new(area(face), lit_area);
                 r
             })

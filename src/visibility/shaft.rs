@@ -1,10 +1,11 @@
-//! What stands in the space between two convex polygons.
+//! What stands in the space between two convex polygons, or a box and a polygon.
 
 use super::{Blockers, Part, Region, Target, Viewpoint};
 use crate::geom::Plane;
 use crate::scene::FaceId;
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 use smallvec::SmallVec;
+use std::borrow::Cow;
 use std::cell::Cell;
 
 /// So many faces on the line between the middles are tried. Of the emitters that pieces of a large level do not see half are
@@ -25,18 +26,71 @@ pub enum Sight {
     Partial,
 }
 
-/// The lines of sight between two convex polygons that face each other.
+/// The lines of sight between two convex polygons that face each other, or between a box and a polygon.
 pub struct Shaft<'a> {
-    ends: [Target<'a>; 2],
+    ends: [End<'a>; 2],
     region: Region,
+}
+
+/// One end of a shaft.
+struct End<'a> {
+    corners: Cow<'a, [DVec3]>,
+    /// By its corners' numbers.
+    edges: SmallVec<[[usize; 2]; 12]>,
+    /// The plane of a polygon, normal towards the other end: nothing behind it stands in the way.
+    plane: Option<Plane>,
+}
+
+impl<'a> End<'a> {
+    fn polygon(target: Target<'a>) -> Self {
+        let n = target.corners.len();
+        Self {
+            corners: Cow::Borrowed(target.corners),
+            edges: (0..n).map(|i| [i, (i + 1) % n]).collect(),
+            plane: Some(target.plane),
+        }
+    }
+
+    /// A box from its lowest to its highest corner. Bit k of a corner's number says which of the two its coordinate k is from.
+    fn cuboid(low: DVec3, high: DVec3) -> Self {
+        let corner = |i: u32| {
+            let bit = |k: u32| i >> k & 1 == 1;
+            DVec3::select(BVec3::new(bit(0), bit(1), bit(2)), high, low)
+        };
+        let edges = (0..8).flat_map(|i| [1, 2, 4].map(|bit| [i, i | bit]));
+        Self {
+            corners: (0..8).map(corner).collect(),
+            edges: edges.filter(|[i, j]| i != j).collect(),
+            plane: None,
+        }
+    }
+
+    fn middle(&self) -> DVec3 {
+        self.corners.iter().sum::<DVec3>() / self.corners.len() as f64
+    }
+
+    /// Somebody on the front of a polygon.
+    fn view(&self) -> Option<Viewpoint> {
+        let plane = self.plane?;
+        Some(Viewpoint::new(self.corners[0], plane.normal))
+    }
 }
 
 impl<'a> Shaft<'a> {
     /// The shaft between `a` and `b`.
     pub fn new(a: Target<'a>, b: Target<'a>) -> Self {
+        Self::between(End::polygon(a), End::polygon(b))
+    }
+
+    /// The shaft between the box from `low` to `high` and `b`, which may reach into the box.
+    pub fn from_box((low, high): (DVec3, DVec3), b: Target<'a>) -> Self {
+        Self::between(End::cuboid(low, high), End::polygon(b))
+    }
+
+    fn between(a: End<'a>, b: End<'a>) -> Self {
         Self {
-            ends: [a, b],
             region: hull(&a, &b),
+            ends: [a, b],
         }
     }
 
@@ -64,9 +118,13 @@ impl<'a> Shaft<'a> {
     /// True when a surface that the line between the middles of both ends meets hides each from the other; `last`, the face of
     /// the second end, hides nothing. False says nothing.
     pub fn is_hidden_along_its_middle(&self, last: FaceId, blockers: &Blockers) -> bool {
-        let middle = |t: &Target| t.corners.iter().sum::<DVec3>() / t.corners.len() as f64;
-        let [a, b] = [middle(&self.ends[0]), middle(&self.ends[1])];
-        let start = blockers.weld_distance() / a.distance(b);
+        let [a, b] = [self.ends[0].middle(), self.ends[1].middle()];
+        let length = a.distance(b);
+        if length == 0.0 {
+            return false;
+        }
+        // What the first end holds or cuts does not hide it.
+        let start = (self.way_out(a, b) + blockers.weld_distance()) / length;
         let (tries, is_hidden) = (Cell::new(0), Cell::new(false));
         let goes_on = |t: u32| {
             let face = blockers.ray_owner(t);
@@ -79,6 +137,17 @@ impl<'a> Shaft<'a> {
         };
         blockers.rays().is_blocked(a, b, start, 1.0, goes_on);
         is_hidden.get()
+    }
+
+    /// How far the line from the middle of a box, `a`, to `b` runs in it, metres; in a polygon it does not.
+    fn way_out(&self, a: DVec3, b: DVec3) -> f64 {
+        if self.ends[0].plane.is_some() {
+            return 0.0;
+        }
+        let half = self.ends[0].corners[7] - a;
+        let steps = half / (b - a).abs();
+        let steps = steps.to_array().into_iter().filter(|s| s.is_finite());
+        steps.fold(1.0, f64::min) * a.distance(b)
     }
 
     /// True when the surface of convex parts around `first`, which the line between the middles meets, hides one end from the
@@ -160,20 +229,24 @@ impl<'a> Shaft<'a> {
         blockers: &Blockers,
         out: &mut Vec<u32>,
     ) -> bool {
-        let [a, b] = &self.ends;
-        blockers.collect_few_screens(most, &on(a), &self.region, b.plane, out)
+        let (Some(view), Some(target)) = (self.ends[0].view(), self.ends[1].plane) else {
+            return false;
+        };
+        blockers.collect_few_screens(most, &view, &self.region, target, out)
     }
 
     /// Whether screen `i` is one of those that [`Shaft::collect_few_screens`] appends.
     pub fn may_hide(&self, i: u32, blockers: &Blockers) -> bool {
-        let [a, b] = &self.ends;
-        blockers.may_hide(i, &on(a), &self.region, b.plane)
+        match (self.ends[0].view(), self.ends[1].plane) {
+            (Some(view), Some(target)) => blockers.may_hide(i, &view, &self.region, target),
+            _ => true,
+        }
     }
 
     /// Whether some of the corners lie in front of either end.
     fn is_between(&self, corners: &[DVec3], tol: f64) -> bool {
-        let is_ahead = |t: &Target| corners.iter().any(|&c| t.plane.distance(c) > tol);
-        self.ends.iter().all(is_ahead)
+        let is_ahead = |plane: Plane| corners.iter().any(|&c| plane.distance(c) > tol);
+        self.ends.iter().all(|e| e.plane.is_none_or(is_ahead))
     }
 
     /// Whether a convex part crosses every straight line from one end to the other: those between their corners are enough, as
@@ -193,8 +266,8 @@ impl<'a> Shaft<'a> {
     /// Where the straight lines between the corners of both ends cross a plane, if it lies between the ends.
     fn crossings(&self, plane: &Plane) -> Option<Crossings> {
         let [a, b] = &self.ends;
-        let heights = |t: &Target| -> SmallVec<[f64; 8]> {
-            t.corners.iter().map(|&c| plane.distance(c)).collect()
+        let heights = |end: &End| -> SmallVec<[f64; 8]> {
+            end.corners.iter().map(|&c| plane.distance(c)).collect()
         };
         let (from, to) = (heights(a), heights(b));
         let is_apart = |above: &[f64], below: &[f64]| {
@@ -216,26 +289,21 @@ impl<'a> Shaft<'a> {
 /// Points where lines between two polygons, usually of four corners, cross a plane.
 type Crossings = SmallVec<[DVec3; 16]>;
 
-/// Somebody on the front of `t`.
-fn on(t: &Target) -> Viewpoint {
-    Viewpoint::new(t.corners[0], t.plane.normal)
-}
-
-/// The convex hull of both polygons (Haines & Wallace 1991): the planes through an edge of one and a corner of the other
+/// The convex hull of both ends (Haines & Wallace 1991): the planes through an edge of one and a corner of the other
 /// that have all of both on one side, and the box around them.
-fn hull(a: &Target, b: &Target) -> Region {
-    let points = || a.corners.iter().chain(b.corners).copied();
+fn hull(a: &End, b: &End) -> Region {
+    let points = || a.corners.iter().chain(b.corners.iter()).copied();
     let mut region = Region {
-        planes: [a.plane, b.plane].into_iter().collect(),
+        planes: [a.plane, b.plane].into_iter().flatten().collect(),
         bounds: (
             points().fold(DVec3::INFINITY, DVec3::min),
             points().fold(DVec3::NEG_INFINITY, DVec3::max),
         ),
     };
     for (from, to) in [(a, b), (b, a)] {
-        for (i, &p) in from.corners.iter().enumerate() {
-            let q = from.corners[(i + 1) % from.corners.len()];
-            for &v in to.corners {
+        for &[i, j] in &from.edges {
+            let (p, q) = (from.corners[i], from.corners[j]);
+            for &v in to.corners.iter() {
                 let Some(normal) = (q - p).cross(v - p).try_normalize() else {
                     continue;
                 };

@@ -19,7 +19,7 @@ fn an_outlook_is_exact_where_it_was_taken_and_close_by() {
     for _ in 0..300 {
         let x = random_point(&world.scene, floor, &mut rng);
         let view = Viewpoint::new(x, normal);
-        let outlook = light.outlook(&view, 0.0, &mut scratch);
+        let outlook = light.outlook(&view, None, 0.0, &mut scratch);
         let exact = light.irradiance(&view, &mut scratch).mean();
         let found = light.irradiance_through(&outlook, &view, &mut scratch);
         assert!((found.mean() - exact).abs() <= 1e-12, "{found:?}, {exact}");

@@ -31,8 +31,10 @@ fn check(what: &str, world: &World, most: usize, rng: &mut Rng, seen: &mut Seen)
     let scene = &world.scene;
     let light = DirectLight::new(scene, &world.blockers);
     let sides = receiver_sides(scene);
+    let around = light.vantages_of_sides(scene, &sides);
     for _ in 0..most.min(4 * sides.len()) {
-        let (face, side) = sides[rng.below(sides.len())];
+        let number = rng.below(sides.len());
+        let (face, side) = sides[number];
         let triangles = &scene.faces[face].triangles;
         let triangle = triangles[rng.below(triangles.len())];
         let frame = scene.faces[face].frame;
@@ -44,8 +46,11 @@ fn check(what: &str, world: &World, most: usize, rng: &mut Rng, seen: &mut Seen)
         let vantage_of = |corners: &[DVec3], around: Option<&Vantage>| {
             light.vantage(Target { corners, plane }, around)
         };
+        compare(what, &light, &around[number], corners, plane, rng, seen);
         let whole = vantage_of(&corners, None);
         compare(what, &light, &whole, corners, plane, rng, seen);
+        let known = vantage_of(&corners, Some(&around[number]));
+        compare(what, &light, &known, corners, plane, rng, seen);
         let at = rng.below(3);
         let [a, b, c] = [0, 1, 2].map(|i| corners[(at + i) % 3]);
         let part = [

@@ -1,0 +1,85 @@
+//! Which emitters a box full of faces may see: found for many faces at once, before each looks for itself.
+//!
+//! In a street of a thousand rooms with a lamp each a chair sees one lamp. To ask each face about each lamp would cost more
+//! than all its light. So boxes of faces are halved, and what a wall hides from a whole box none of its parts asks about any
+//! more: from-region visibility as a hierarchy (Teller & Séquin 1991 ask it of rooms and doorways).
+
+use super::{DirectLight, Vantage};
+use crate::scene::{FaceId, FaceSide, Scene};
+use crate::visibility::Shaft;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A box with no more sides is not halved: they are near each other, and see the same.
+const MOST_SIDES: usize = 4;
+
+impl DirectLight<'_> {
+    /// For each of some sides of faces the emitters that may be seen from there.
+    pub fn vantages_of_sides(
+        &self,
+        scene: &Scene,
+        sides: &[(FaceId, FaceSide)],
+    ) -> Vec<Arc<Vantage>> {
+        let all = Arc::new(Vantage::of_all(self.polygons.len()));
+        let boxes = sides.iter().map(|&(face, side)| box_of(scene, face, side));
+        let mut items: Vec<Item> = (0u32..).zip(boxes).map(|(i, b)| Item(i, b)).collect();
+        let mut found = vec![all.clone(); sides.len()];
+        if !items.is_empty() {
+            for (i, vantage) in self.halve(&mut items, &all) {
+                found[i as usize] = vantage;
+            }
+        }
+        found
+    }
+
+    /// What each of `items` sees of what is seen from around them.
+    fn halve(&self, items: &mut [Item], around: &Vantage) -> Vec<(u32, Arc<Vantage>)> {
+        let (low, high) = bounds(items);
+        let mut seen = around.clone();
+        seen.retain(|number| {
+            let polygon = &self.polygons[number as usize];
+            let shaft = Shaft::from_box((low, high), polygon.target());
+            !shaft.is_hidden_along_its_middle(polygon.face, self.blockers)
+        });
+        if items.len() <= MOST_SIDES || seen.count() == 0 {
+            let seen = Arc::new(seen);
+            return items.iter().map(|i| (i.0, seen.clone())).collect();
+        }
+        let size = (high - low).to_array();
+        let axis = (0..3).fold(0, |most, k| if size[k] > size[most] { k } else { most });
+        let place = |i: &Item| i.1.0[axis] + i.1.1[axis];
+        let half = items.len() / 2;
+        // Of equal places the number decides.
+        items.select_nth_unstable_by(half, |a, b| {
+            place(a).total_cmp(&place(b)).then(a.0.cmp(&b.0))
+        });
+        let (first, second) = items.split_at_mut(half);
+        let (mut all, rest) =
+            rayon::join(|| self.halve(first, &seen), || self.halve(second, &seen));
+        all.extend(rest);
+        all
+    }
+}
+
+/// What holds a side of a face, moved forwards by the weld distance: what lies in the face's plane hides nothing from its
+/// front, and everything from behind.
+fn box_of(scene: &Scene, face: FaceId, side: FaceSide) -> (DVec3, DVec3) {
+    let ahead = scene.normal(face, side) * scene.weld_distance;
+    let corners = scene.faces[face].loops.iter().flatten();
+    let corners = corners.map(|&v| scene.vertices[v] + ahead);
+    around(corners.map(|c| (c, c)))
+}
+
+/// The number of a side, and its box.
+struct Item(u32, (DVec3, DVec3));
+
+fn bounds(items: &[Item]) -> (DVec3, DVec3) {
+    around(items.iter().map(|i| i.1))
+}
+
+/// The box around boxes.
+fn around(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
+    boxes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), b| {
+        (lo.min(b.0), hi.max(b.1))
+    })
+}

@@ -1,15 +1,17 @@
 //! D0 lines: where another face stands on a receiver, pierces it, or lies in its plane.
 
+use super::event::Search;
 use super::horizon::crossing;
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
-use crate::direct::DirectLight;
+use crate::direct::{DirectLight, unoccluded_by};
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Blockers, Part, Region, Scratch, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// All contact lines.
-pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
+pub(super) fn find(search: &Search) -> Vec<Discontinuity> {
+    let (scene, light) = (search.scene, search.light);
     let blockers = light.blockers;
     from_near_pairs(blockers, |receiver, other, scratch, out| {
         for (ends, sides) in contacts(scene, light, receiver, other) {
@@ -29,12 +31,21 @@ pub(super) fn find(scene: &Scene, light: &DirectLight) -> Vec<Discontinuity> {
                         kind: EventKind::Contact,
                         emitter: None,
                         cause: Cause::Face(other.face),
-                        jump: light.unoccluded(&view, scratch).mean(),
+                        jump: jump_at(search, &view, scratch),
                     });
                 }
             }
         }
     })
+}
+
+/// What the emitters that matter there, and the lights, give at `view` if nothing hides them, W/m².
+fn jump_at(search: &Search, view: &Viewpoint, scratch: &mut Scratch) -> f64 {
+    let light = search.light;
+    let lights = light.lights.iter().map(|l| unoccluded_by(l, view).mean());
+    let emitters = search.that_reach(&[view.position]).into_iter();
+    let emitters = emitters.map(|e| light.unoccluded_from(e, view, scratch).mean());
+    emitters.sum::<f64>() + lights.sum::<f64>()
 }
 
 /// Pairs (covered face, face seen instead of it) among coplanar overlapping faces.

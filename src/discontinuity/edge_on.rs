@@ -39,7 +39,7 @@ pub(super) fn find(search: &Search, meter: &Meter) -> Vec<Discontinuity> {
             let mut out = Vec::new();
             let corners = scene.faces[face].loops.iter().flatten();
             let corners: SmallVec<[DVec3; 8]> = corners.map(|&v| scene.vertices[v]).collect();
-            for emitter in search.cut_by(&corners) {
+            for emitter in search.that_reach(&corners) {
                 if search.is_within_reach(emitter, &corners)
                     && search.is_plane_worth(emitter, face, &corners)
                 {

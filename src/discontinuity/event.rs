@@ -106,9 +106,10 @@ pub(super) struct Search<'a> {
     /// Lines that break by less than this are left out, W/m².
     pub(super) least: f64,
     reach: Reach,
-    /// As far as views through vertices, and planes of faces, are looked at.
+    /// As far as views through vertices are looked at.
     views: Balls,
-    planes: Balls,
+    /// As far as they matter.
+    mattering: Balls,
     /// What is looked at where there is too much.
     pub(super) worth: Worth,
     corners: Corners,
@@ -151,7 +152,7 @@ impl<'a> Search<'a> {
             floor: tolerance.floor,
             least: tolerance.least,
             views: Balls::new(scene, &reach, radius_of_views),
-            planes: Balls::new(scene, &reach, |e| reach.radius(e)),
+            mattering: Balls::new(scene, &reach, |e| reach.radius(e)),
             worth,
             reach,
             incident,
@@ -239,9 +240,9 @@ impl<'a> Search<'a> {
         self.views.around(&[position])
     }
 
-    /// The emitters that the plane of a face with these corners may be followed from, ascending.
-    pub(super) fn cut_by(&self, corners: &[DVec3]) -> Vec<EmitterId> {
-        self.planes.around(corners)
+    /// The emitters that may matter somewhere in the box around these points, ascending.
+    pub(super) fn that_reach(&self, points: &[DVec3]) -> Vec<EmitterId> {
+        self.mattering.around(points)
     }
 
     /// False when an edge ranks too low for the emitter, among so many.

@@ -314,7 +314,7 @@ pub fn find_lines_within(
     for s in edge_on::find(&search, meter) {
         lines[slot(s.face, s.side)].candidates.push(s);
     }
-    for s in contact::find(scene, light) {
+    for s in contact::find(&search) {
         lines[slot(s.face, s.side)].contacts.push(s);
     }
     let shadows = punctual::shadows(scene, light);

@@ -1,6 +1,6 @@
 //! Light from many emitters at a point, each only as finely as it matters there.
 //!
-//! What an emitter would give if nothing hid it bounds what it gives. The weakest, as many as together stay below what the
+//! What an emitter would give if nothing hid it bounds what it gives. The weakest, as many as leave no more doubt than the
 //! result may be off by, are seen or not as one ray to their middle tells; the others are cut exactly. The mistakes of rays
 //! to many emitters add like random steps: the triangles of a bulb are as many samples of it.
 
@@ -26,6 +26,10 @@ const NEAR_DOUBT: f64 = 0.1;
 
 /// Rays to emitters that are far, at most: one path among thousands is off by more than they are.
 const MOST_ASKED: usize = 16;
+
+/// What one ray tells of an emitter of which the share f is seen is off by √(f (1 − f)) of its light (rms, over where the ray
+/// may go): half at most.
+const RAY_DOUBT: f64 = 0.5;
 
 /// So many emitters are kept track of without allocating.
 const USUAL: usize = 32;
@@ -165,8 +169,8 @@ impl DirectLight<'_> {
         prospects
     }
 
-    /// The form factors of what `view` sees of the emitters: of those that together give less than `tolerance` (W/m²) as one
-    /// ray to each tells.
+    /// The form factors of what `view` sees of the emitters: of the weakest, about which rays together leave less doubt than
+    /// `tolerance` (W/m²), as one ray to each tells.
     pub(super) fn factors(
         &self,
         prospects: &[Prospect],
@@ -176,10 +180,10 @@ impl DirectLight<'_> {
     ) -> SmallVec<[Factor; USUAL]> {
         let weak = match self.polygons.len() <= FEW {
             true => 0.0,
-            false => weakest(prospects.iter().map(|p| p.light), tolerance),
+            false => weakest(prospects.iter().map(|p| RAY_DOUBT * p.light), tolerance),
         };
         let mut factor = |p: &Prospect| {
-            if p.light <= weak && p.screens.is_none_or(|s| !s.is_empty()) {
+            if RAY_DOUBT * p.light <= weak && p.screens.is_none_or(|s| !s.is_empty()) {
                 return Factor {
                     value: self.factor_by_ray(p, view, p.polygon.middle()),
                     is_exact: true,
@@ -200,13 +204,13 @@ impl DirectLight<'_> {
     }
 }
 
-/// The strongest of those that are weak: the squares of it and of all that give no more have no larger sum than that of
-/// `tolerance`. Zero when none is.
-fn weakest(lights: impl Iterator<Item = f64>, tolerance: f64) -> f64 {
-    let mut lights: SmallVec<[f64; USUAL]> = lights.collect();
-    lights.sort_unstable_by(f64::total_cmp);
+/// The greatest of those doubts that are small: the squares of it and of all that are no greater have no larger sum than that
+/// of `tolerance`. Zero when none is.
+fn weakest(doubts: impl Iterator<Item = f64>, tolerance: f64) -> f64 {
+    let mut doubts: SmallVec<[f64; USUAL]> = doubts.collect();
+    doubts.sort_unstable_by(f64::total_cmp);
     let (mut sum, mut weak) = (0.0, 0.0);
-    for equals in lights.chunk_by(|a, b| a == b) {
+    for equals in doubts.chunk_by(|a, b| a == b) {
         sum += equals.iter().map(|l| l * l).sum::<f64>();
         if sum > tolerance * tolerance {
             break;

@@ -9,6 +9,7 @@ use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::Shaft;
 use glam::DVec3;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// A box with no more sides is not halved: they are near each other, and see the same.
 const MOST_SIDES: usize = 4;
@@ -41,6 +42,9 @@ impl DirectLight<'_> {
             let shaft = Shaft::from_box((low, high), polygon.target());
             !shaft.is_hidden_along_its_middle(polygon.face, self.blockers)
         });
+        let hidden = around.count() - seen.count();
+        let looks = &self.hidden_sights;
+        looks.fetch_add(hidden * items.len(), Ordering::Relaxed);
         if items.len() <= MOST_SIDES || seen.count() == 0 {
             let seen = Arc::new(seen);
             return items.iter().map(|i| (i.0, seen.clone())).collect();

@@ -99,7 +99,7 @@ impl DirectLight<'_> {
         found
     }
 
-    /// How often an emitter was found to be hidden from all of a piece.
+    /// How often an emitter was found to be hidden from all of a side of a face, or from all of a piece of it.
     pub fn hidden_sights(&self) -> usize {
         self.hidden_sights.load(Ordering::Relaxed)
     }

@@ -216,8 +216,8 @@ impl Summary {
         let hidden = solution.direct.hidden_sights();
         if hidden > 0 {
             say(
-                format!("{hidden} times all looks from a piece of a face at an emitter"),
-                "other faces hide it from the whole piece",
+                format!("{hidden} times all looks from a face, or a piece of one, at an emitter"),
+                "other faces hide it from all of that",
             );
         }
         if solution.indirect.is_none() {

@@ -14,6 +14,10 @@ use std::sync::atomic::Ordering;
 /// A box with no more sides is not halved: they are near each other, and see the same.
 const MOST_SIDES: usize = 4;
 
+/// Where a box and its halves find less than this share of the emitters outside of them hidden, smaller ones hardly find more:
+/// a figure among hundreds of lamps sees most of them from everywhere.
+const LEAST_HIDDEN: f64 = 1.0 / 16.0;
+
 impl DirectLight<'_> {
     /// For each of some sides of faces the emitters that may be seen from there.
     pub fn vantages_of_sides(
@@ -26,26 +30,37 @@ impl DirectLight<'_> {
         let mut items: Vec<Item> = (0u32..).zip(boxes).map(|(i, b)| Item(i, b)).collect();
         let mut found = vec![all.clone(); sides.len()];
         if !items.is_empty() {
-            for (i, vantage) in self.halve(&mut items, &all) {
+            for (i, vantage) in self.halve(&mut items, &all, false) {
                 found[i as usize] = vantage;
             }
         }
         found
     }
 
-    /// What each of `items` sees of what is seen from around them.
-    fn halve(&self, items: &mut [Item], around: &Vantage) -> Vec<(u32, Arc<Vantage>)> {
+    /// What each of `items` sees of what is seen from around them; `was_idle` when little of that was found hidden from there.
+    fn halve(
+        &self,
+        items: &mut [Item],
+        around: &Vantage,
+        was_idle: bool,
+    ) -> Vec<(u32, Arc<Vantage>)> {
         let (low, high) = bounds(items);
-        let mut seen = around.clone();
+        let (mut seen, mut outside) = (around.clone(), 0);
         seen.retain(|number| {
             let polygon = &self.polygons[number as usize];
+            let middle = polygon.middle();
+            if middle.cmpge(low).all() && middle.cmple(high).all() {
+                return true;
+            }
+            outside += 1;
             let shaft = Shaft::from_box((low, high), polygon.target());
             !shaft.is_hidden_along_its_middle(polygon.face, self.blockers)
         });
         let hidden = around.count() - seen.count();
         let looks = &self.hidden_sights;
         looks.fetch_add(hidden * items.len(), Ordering::Relaxed);
-        if items.len() <= MOST_SIDES || seen.count() == 0 {
+        let is_idle = (hidden as f64) < LEAST_HIDDEN * f64::from(outside);
+        if items.len() <= MOST_SIDES || seen.count() == 0 || (is_idle && was_idle) {
             let seen = Arc::new(seen);
             return items.iter().map(|i| (i.0, seen.clone())).collect();
         }
@@ -58,8 +73,8 @@ impl DirectLight<'_> {
             place(a).total_cmp(&place(b)).then(a.0.cmp(&b.0))
         });
         let (first, second) = items.split_at_mut(half);
-        let (mut all, rest) =
-            rayon::join(|| self.halve(first, &seen), || self.halve(second, &seen));
+        let halve = |items| self.halve(items, &seen, is_idle);
+        let (mut all, rest) = rayon::join(|| halve(first), || halve(second));
         all.extend(rest);
         all
     }

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod crowd;
+mod dark;
 mod fixtures;
 mod outlook;
 mod regressions;

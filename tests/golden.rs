@@ -16,7 +16,7 @@ use umbrage::render::{CameraChoice, Picture, RenderSettings, choose_camera, rend
 const SIZE: u32 = 64;
 
 /// A golden picture has at most this many bytes.
-const LARGEST_FILE: usize = 4096;
+const LARGEST_FILE: usize = 8192;
 
 /// Room for other mathematics libraries, which may turn a diagonal or insert a vertex more: a pixel by a few steps of 255,
 /// all of them by a quarter of one.

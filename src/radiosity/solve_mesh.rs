@@ -18,7 +18,7 @@ pub(super) const SPREAD_POINTS: u32 = 4;
 /// With more sides than this cutting everything exactly costs more than the rest of the bake, and the mistakes of rays are
 /// spread over so many of them that they cancel: what is not bright is told by rays, and so is what a small face receives.
 /// Fewer are always cut exactly.
-const MANY_SIDES: usize = 256;
+const MANY_SIDES: usize = 192;
 
 /// Links are not asked to be more exact than for light that is reflected so many times over: where less than this is
 /// absorbed, openings decide.

@@ -77,7 +77,8 @@ impl DirectLight<'_> {
     pub fn sees_a_middle(&self, view: &Viewpoint, vantage: Option<&Vantage>) -> bool {
         let shows = |p: &EmitterPolygon| {
             let middle = p.middle();
-            let is_faced = |plane: &Plane, point| plane.distance(point) > 0.0;
+            let roundoff = self.blockers.roundoff();
+            let is_faced = |plane: &Plane, point| plane.distance(point) > roundoff;
             is_faced(&p.plane, view.position)
                 && is_faced(&view.horizon, middle)
                 && self.blockers.sees(view, middle, p.face)

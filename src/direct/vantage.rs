@@ -49,9 +49,7 @@ impl Vantage {
 
     /// Leaves out the polygons, by number, that cannot be seen.
     pub(super) fn retain(&mut self, mut may_be_seen: impl FnMut(u32) -> bool) {
-        let before = self.sights.len();
         self.sights.retain(|s| may_be_seen(s.number));
-        self.is_news |= self.sights.len() < before;
     }
 
     /// The numbers of the polygons, each with the screens that may hide it, if these are known.

@@ -11,6 +11,7 @@ mod breaks;
 mod fit;
 mod flip;
 mod misfit;
+mod mix;
 mod receiver;
 mod room;
 mod samples;

@@ -1,6 +1,7 @@
 //! The light where the refinement asks for it, each point once.
 
 use super::misfit::Misfit;
+use super::mix::Map;
 use super::{Illumination, Receiver};
 use crate::direct::Look;
 use crate::mesh::{GridPoint, Inset, ReceiverMesh, barycentric};
@@ -10,8 +11,6 @@ use crate::visibility::Scratch;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::cell::RefCell;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 /// Share of the element for which the worst value on a crossing line speaks: a feature that the fixed points miss.
 const LINE_WEIGHT: f64 = 0.25;
@@ -41,44 +40,6 @@ fn point(a: GridPoint, b: GridPoint) -> Key {
 fn beside(p: DVec2) -> Key {
     [p.x.to_bits() as i64, p.y.to_bits() as i64, NO_EDGE, 0]
 }
-
-/// Mixes the coordinates of keys. They are ours, so nobody chooses them to collide.
-#[derive(Default)]
-struct Mixer(u64);
-
-/// 2⁶⁴ over the golden ratio, odd: its multiples spread over all bits.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-
-impl Hasher for Mixer {
-    /// Slices of integers come as their bytes.
-    fn write(&mut self, bytes: &[u8]) {
-        let (words, rest) = bytes.as_chunks();
-        for &w in words {
-            self.write_u64(u64::from_le_bytes(w));
-        }
-        for &b in rest {
-            self.write_u64(u64::from(b));
-        }
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(GOLDEN);
-    }
-
-    fn write_i64(&mut self, word: i64) {
-        self.write_u64(word as u64);
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        self.write_u64(word as u64);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-}
-
-type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
 /// Light at one point.
 struct Known {

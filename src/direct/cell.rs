@@ -5,6 +5,7 @@
 //! more: from-region visibility as a hierarchy (Teller & Séquin 1991 ask it of rooms and doorways).
 
 use super::{DirectLight, Vantage};
+use crate::geom::bounds;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::Shaft;
 use glam::DVec3;
@@ -44,7 +45,7 @@ impl DirectLight<'_> {
         around: &Vantage,
         was_idle: bool,
     ) -> Vec<(u32, Arc<Vantage>)> {
-        let (low, high) = bounds(items);
+        let (low, high) = bounds(items.iter().flat_map(|i| [i.1.0, i.1.1]));
         let (mut seen, mut outside) = (around.clone(), 0);
         seen.retain(|number| {
             let polygon = &self.polygons[number as usize];
@@ -85,20 +86,8 @@ impl DirectLight<'_> {
 fn box_of(scene: &Scene, face: FaceId, side: FaceSide) -> (DVec3, DVec3) {
     let ahead = scene.normal(face, side) * scene.weld_distance;
     let corners = scene.faces[face].loops.iter().flatten();
-    let corners = corners.map(|&v| scene.vertices[v] + ahead);
-    around(corners.map(|c| (c, c)))
+    bounds(corners.map(|&v| scene.vertices[v] + ahead))
 }
 
 /// The number of a side, and its box.
 struct Item(u32, (DVec3, DVec3));
-
-fn bounds(items: &[Item]) -> (DVec3, DVec3) {
-    around(items.iter().map(|i| i.1))
-}
-
-/// The box around boxes.
-fn around(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
-    boxes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), b| {
-        (lo.min(b.0), hi.max(b.1))
-    })
-}

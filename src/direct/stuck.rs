@@ -5,7 +5,7 @@
 //! bright as the room, where nobody looks.
 
 use super::emitters::convex_polygons;
-use crate::geom::{Plane, even_point, even_point_of};
+use crate::geom::{Plane, bounds, even_point, even_point_of};
 use crate::scene::{EmitterId, Scene};
 use crate::visibility::{Blockers, Hit, Region, clip_to_front};
 use glam::DVec3;
@@ -37,12 +37,10 @@ pub fn stuck_emitters(scene: &Scene, blockers: &Blockers) -> Vec<EmitterId> {
 fn is_covered(polygon: &[DVec3], normal: DVec3, blockers: &Blockers) -> bool {
     let (plane, tol) = (Plane::new(polygon[0], normal), blockers.weld_distance());
     let pad = DVec3::splat(tol);
-    let around = |(lo, hi): (DVec3, DVec3), &c: &DVec3| (lo.min(c - pad), hi.max(c + pad));
+    let (low, high) = bounds(polygon.iter().copied());
     let region = Region {
         planes: [].into_iter().collect(),
-        bounds: polygon
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), around),
+        bounds: (low - pad, high + pad),
     };
     let mut near = Vec::new();
     blockers.query(&region, |i| near.push(i));

@@ -4,6 +4,7 @@ use super::event::Search;
 use super::horizon::crossing;
 use super::{Cause, Discontinuity, DiscontinuityOrder, EventKind};
 use crate::direct::{DirectLight, unoccluded_by};
+use crate::geom::bounds;
 use crate::scene::{FaceId, FaceSide, Scene};
 use crate::visibility::{Blockers, Part, Region, Scratch, Viewpoint};
 use glam::DVec3;
@@ -84,14 +85,10 @@ fn from_near_pairs<T: Send>(
     let pad = DVec3::splat(blockers.weld_distance());
     let of_receiver = |scratch: &mut Scratch, receiver: &Part| {
         let corners = blockers.corners(receiver);
-        let bounds = corners
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &c| {
-                (lo.min(c - pad), hi.max(c + pad))
-            });
+        let (low, high) = bounds(corners.iter().copied());
         let region = Region {
             planes: [].into_iter().collect(),
-            bounds,
+            bounds: (low - pad, high + pad),
         };
         let (mut near, mut out) = (Vec::new(), Vec::new());
         blockers.query(&region, |i| near.push(i));

@@ -5,6 +5,7 @@
 //! stands there throws its shadows only farther away. In scenes with hundreds of small lamps most edges are far from most:
 //! the trees of things and of lamps tell which are not.
 
+use crate::geom::bounds;
 use crate::quantity::Exitance;
 use crate::scene::{EmitterId, IdVec, Scene};
 use crate::visibility::{BoxTree, Region};
@@ -74,7 +75,7 @@ impl Balls {
     /// `radius` tells how far from the middle of an emitter it is near, metres.
     pub(super) fn new(scene: &Scene, reach: &Reach, radius: impl Fn(EmitterId) -> f64) -> Self {
         // The tree wants finite boxes.
-        let (low, high) = bounds(scene.vertices.as_slice());
+        let (low, high) = bounds(scene.vertices.as_slice().iter().copied());
         let boxes = reach.lamps.iter().map(|(id, lamp)| {
             let radius = DVec3::splat(radius(id));
             (
@@ -91,7 +92,7 @@ impl Balls {
     pub(super) fn around(&self, points: &[DVec3]) -> Vec<EmitterId> {
         let region = Region {
             planes: [].into_iter().collect(),
-            bounds: bounds(points),
+            bounds: bounds(points.iter().copied()),
         };
         let mut near = Vec::new();
         self.tree.query(&region, |i| near.push(EmitterId(i)));
@@ -100,19 +101,10 @@ impl Balls {
     }
 }
 
-/// The box around `points`.
-fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
-    let points = points.iter().copied();
-    (
-        points.clone().fold(DVec3::INFINITY, DVec3::min),
-        points.fold(DVec3::NEG_INFINITY, DVec3::max),
-    )
-}
-
 impl Lamp {
     /// Distance of the middle from the box around `points`, metres: no more than from anything between them.
     pub(super) fn distance(&self, points: &[DVec3]) -> f64 {
-        let (low, high) = bounds(points);
+        let (low, high) = bounds(points.iter().copied());
         self.middle.distance(self.middle.clamp(low, high))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::screen::Screens;
 use super::{BoxTree, RayCaster, Region};
-use crate::geom::Plane;
+use crate::geom::{Plane, bounds};
 use crate::scene::{EdgeId, FaceId, Scene, VertexId};
 use glam::DVec3;
 use std::ops::Range;
@@ -89,11 +89,7 @@ impl Blockers {
         first_part.push(parts.len() as u32);
         let tree = BoxTree::new(parts.iter().map(|p: &Part| {
             let corners = &positions[p.first as usize..(p.first + p.count) as usize];
-            corners
-                .iter()
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &c| {
-                    (lo.min(c), hi.max(c))
-                })
+            bounds(corners.iter().copied())
         }));
         let mut part_edges: Vec<PartEdge> = (0u32..)
             .zip(&parts)

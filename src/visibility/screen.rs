@@ -2,7 +2,7 @@
 
 use super::solid::{Solid, solids};
 use super::{Blockers, BoxTree, Region, Viewpoint};
-use crate::geom::Plane;
+use crate::geom::{Plane, bounds};
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -55,11 +55,7 @@ impl Screens {
                 Screen::Part(i) => corners(i),
                 Screen::Solid(i) => &solids[i as usize].corners,
             };
-            corners
-                .iter()
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &c| {
-                    (lo.min(c), hi.max(c))
-                })
+            bounds(corners.iter().copied())
         }));
         Self {
             all,

@@ -1,7 +1,7 @@
 //! What stands in the space between two convex polygons, or a box and a polygon.
 
 use super::{Blockers, Part, Region, Target, Viewpoint};
-use crate::geom::Plane;
+use crate::geom::{Plane, bounds};
 use crate::scene::FaceId;
 use glam::{BVec3, DVec3};
 use smallvec::SmallVec;
@@ -222,7 +222,7 @@ impl<'a> Shaft<'a> {
     }
 
     /// Appends the screens that may hide something of one end from the other, ascending, unless they are more than `most`: then
-    /// some are appended and it returns false.
+    /// some are appended and it returns false. From a box none are, as if they were too many.
     pub fn collect_few_screens(
         &self,
         most: usize,
@@ -295,10 +295,7 @@ fn hull(a: &End, b: &End) -> Region {
     let points = || a.corners.iter().chain(b.corners.iter()).copied();
     let mut region = Region {
         planes: [a.plane, b.plane].into_iter().flatten().collect(),
-        bounds: (
-            points().fold(DVec3::INFINITY, DVec3::min),
-            points().fold(DVec3::NEG_INFINITY, DVec3::max),
-        ),
+        bounds: bounds(points()),
     };
     for (from, to) in [(a, b), (b, a)] {
         for &[i, j] in &from.edges {

@@ -4,6 +4,7 @@ use super::piece::Piece;
 use super::reflectance::CutOuts;
 use super::{CleanSettings, Tolerances};
 use crate::bad_input::BadInput;
+use crate::geom::bounds;
 use crate::scene::{Material, RawScene, VertexId};
 use glam::DVec3;
 
@@ -77,10 +78,7 @@ pub(super) fn select(raw: &RawScene, settings: &CleanSettings) -> Result<Selecti
             maps: None,
         });
     }
-    let (lo, hi) = used(&raw.positions, &is_used)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| {
-            (lo.min(p), hi.max(p))
-        });
+    let (lo, hi) = bounds(used(&raw.positions, &is_used));
     if pieces.is_empty() || lo.x > hi.x {
         return Err(nothing_left(
             raw,
